@@ -20,7 +20,7 @@ from rules_of_thumb import pages
 from fmi.model import Spec
 from fmi.table import Variable
 from stickslip import build
-from stickslip_design.axis.keys import ANY, BY_SECTION, SECTIONS
+from stickslip_design.axis.keys import BY_SECTION, SECTIONS
 from stickslip_design.axis.template import example
 from stickslip_fmu.laws.named import BUILT_IN, COULOMB_NAME, friction_law
 from stickslip_fmu.spec import TABLE, spec_of
@@ -153,7 +153,7 @@ The axis of [feed-axis.md](feed-axis.md):
 ```toml""".splitlines()
     yield from example().rstrip().splitlines()
     yield "```"
-    for section in SECTIONS:
+    for section in SECTIONS.values():
         yield from ("", f"## `{section.header}`", "", section.meaning, "")
         if section.otherwise:
             yield from (f"Without it: {section.otherwise}; {section.reason}.", "")
@@ -161,9 +161,7 @@ The axis of [feed-axis.md](feed-axis.md):
         yield "|---|---|---|---|---|"
         for key in BY_SECTION[section.name].values():
             name = f"**`{key.name}`**" if key.required else f"`{key.name}`"
-            choices = ", ".join(f'`"{choice}"`' for choice in key.choices)
-            within = "" if key.within == ANY else str(key.within)
-            marks = ", ".join(filter(None, (choices, within, "±" if key.spread else "")))
+            marks = ", ".join(key.marks("`"))
             meaning = key.meaning + (f" With `{key.needs}` only." if key.goes_with else "")
             taken = ": ".join(filter(None, (key.taken, key.reason)))
             yield f"| {name} | `{key.example}` | {marks} | {meaning} | {taken} |"

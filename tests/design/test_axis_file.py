@@ -30,7 +30,7 @@ DRIVE = {
     "pitch": '"10 mm"', "inertia": '"60 kg cm2"', "K_v": '"25 1/s"', "bandwidth": '"300 1/s"',
     "rated_torque": '"11 N m"',
 }  # fmt: skip
-SECTION_OF = {key.name: key.section for key in KEYS if key.section != "drive.filter"}
+SECTION_OF = {key.name: key.section for key in KEYS.values() if key.section != "drive.filter"}
 SECTION_OF["kind"] = "drive"
 EXCLUDED = {
     "F_s": ["mu_s"], "F_k": ["mu_k"], "velocity_gain": ["bandwidth"], "curve": ["mu_s", "mu_k"],
@@ -96,7 +96,7 @@ NEEDED = {
 def test_the_template_is_read_and_has_an_example_of_every_key() -> None:
     text = template()
     assert axis_of(text).drive is not None
-    for key in KEYS:
+    for key in KEYS.values():
         line = f"{key.name} = {key.example}"
         assert re.search(rf"^(# )?{re.escape(line)}$", text, re.MULTILINE)
         if key.section != "drive.filter" and key.name != "curve":
@@ -190,7 +190,7 @@ REFUSALS = [
     ('curve = "none.csv"', 5, "is no friction curve: none.csv: no such file"),
     ('mass = "1e-300 kg"\nstiffness = "1e300 N/m"', 1, "numbers that do not go together"),
     (f'{FILTER}"low pass"\nfrequency = "2 kHz"', 16, "expected below 2000 Hz, half the sampling"),
-    ("[drives]", 14, "expected [axis], [friction], [drive], [demand]; [drive] is the nearest"),
+    ("[drives]", 14, "drives is no section of an axis file; nearest: [drive]"),
     ("feed = 1", 14, "demand.feed is an unknown key; nearest: feeds"),
     ("[friction]\nmu_s = 0,2\n", 2, "a number has a decimal point, such as mu_s = 0.2"),
 ]

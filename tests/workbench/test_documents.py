@@ -32,7 +32,7 @@ FILES = {name: text for page in PAGES.values() for name, text in SAVED.findall(p
 COMMANDS = re.compile(r"```bash\nstickslip ([^\n]+)\n```(?:\n\n```\n(.+?)```)?", re.DOTALL)
 ASKED = [asked for text in PAGES.values() for asked in COMMANDS.findall(text)]
 CLUSTER = "tcp://localhost:8786"
-SECTION = {key.name: key.section for key in KEYS if key.section in ("axis", "friction", "drive")}
+SECTION = {key.name: key.section for key in KEYS.values() if key.section != "drive.filter"}
 
 
 @pytest.fixture(autouse=True)

@@ -215,11 +215,8 @@ class DataFile:
         try:
             self.data: dict[str, Any] = tomllib.loads(self._text)
         except tomllib.TOMLDecodeError as fault:
-            message = str(fault)
-            place = re.search(r" \(at (?:(line \d+)[^)]*|end of document)\)$", message)
-            end = f"line {self._text.rstrip().count(chr(10)) + 1}"
-            where, reason = (place[1] or end, message[: place.start()]) if place else ("", message)
-            raise error(path, where, reason) from None
+            line, reason = fault_of(fault, self._text)
+            raise error(path, f"line {line}", reason) from None
 
     def read(self, shape: Any, *place: str) -> Any:
         """Return the data, or the table at a place, as a model; refuse all that is wrong in it."""
@@ -293,6 +290,13 @@ def _has(data: Any, place: Place) -> bool:
 @cache
 def _adapter(shape: Any) -> TypeAdapter[Any]:
     return TypeAdapter(shape)
+
+
+def fault_of(error: tomllib.TOMLDecodeError, text: str) -> tuple[int, str]:
+    """Return the line of what is no TOML, and the reason."""
+    reason, _, place = str(error).rpartition(" (at ")
+    line = re.match(r"line (\d+)", place)
+    return int(line[1]) if line else text.rstrip().count("\n") + 1, reason
 
 
 def read_text(file: Path, error: type[DataError]) -> str:

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Iterator, Mapping
+import re
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any, Final
 
@@ -13,7 +14,7 @@ import numpy as np
 from stickslip_ref import Shape, friction_law
 
 from ..curve_file import Curve, CurveError, read_curve
-from .keys import BY_PATH, BY_SECTION, SECTIONS, Key
+from .keys import BY_SECTION, SECTIONS, Key, key_of
 from .model import Assumed, Axis, Demand, Drive, Filter, Friction, low_pass, notch
 from .refusal import AxisError
 from .values import Number, Value, values_of
@@ -23,50 +24,38 @@ _AT_MOTOR: Final = {"N.m": 1, "kg.m2": 2, "N.m.s/rad": 2, "N.m.s": 2}
 
 
 class Builder:
-    """The axis of a file.
+    """The axis of a file, from its values by name and the places of its sections.
 
-    Parameters
-    ----------
-    name
-        Name of the axis where the file gives none.
-    values
-        What the file states, by name.
-    sections
-        The sections that the file has; of an array of tables ``drive.filter[1]`` and so on.
-    folder
-        Where the file of a measured curve is looked for.
+    Its name is `name` where it states none; a measured curve is looked for in `folder`.
     """
 
     def __init__(
         self, name: str, values: Mapping[str, Value], sections: tuple[str, ...], folder: Path
     ) -> None:
-        self._name, self._values, self._sections, self._folder = name, values, sections, folder
+        self._name, self._sections, self._folder, self._stated = name, sections, folder, values
+        self._keys = {re.sub(r"\[\d+\]$", "", path) for path in values}
+        self._is_servo = "drive" in sections and values.get("drive.kind") != "rigid"
+        by_default = "stribeck" if "friction.curve" in values else "coulomb"
+        self._law = str(values.get("friction.law", by_default))
+        # What is stated, and defaults.
+        self._values = dict(values)
         self._assumed: list[Assumed] = []
 
     def axis(self, *, capped: bool = False) -> Axis:
-        """Return the axis.
+        """Return the axis; AxisError if something is missing, or values do not go together.
 
-        Parameters
-        ----------
-        capped
-            Whether a kinetic friction above the static one is taken as that, and not refused: the
-            ± of two numbers may overlap.
-
-        Raises
-        ------
-        AxisError
-            If something is missing, or values do not go together.
+        If `capped`, a kinetic friction above the static one is taken as that, and not refused: the
+        ± of two numbers may overlap.
         """
-        self._assumed = list(self._unstated())
+        self._complete()
         stiffness = [self._number(path) for path in self._paths("axis.stiffness")]
         if len(stiffness) == 1:
-            only = Assumed("axis.stiffness", "the same along the screw", "one value is stated")
-            self._assumed.append(only)
-        numbers = self._fields("axis", ("m", "g", "load", "along", "c"))
-        k, m = _least(*stiffness), numbers["m"]
+            self._assume("axis.stiffness", "the same along the screw", "one value is stated")
+        numbers = self._fields("axis") | {"k": _least(*stiffness)}
         if "axis.zeta" in self._values:
-            numbers["c"] = 2.0 * self._number("axis.zeta") * _plain(np.sqrt(k * m))
-        weight = m * numbers["g"]
+            critical = 2.0 * self._number("axis.zeta")
+            numbers["c"] = critical * _plain(np.sqrt(numbers["k"] * numbers["m"]))
+        weight = numbers["m"] * numbers["g"]
         normal = weight + numbers["load"]
         holds = np.atleast_1d((normal > 0.0) & (normal < math.inf))
         if not holds.all():
@@ -76,17 +65,15 @@ class Builder:
                 key="axis.load",
                 within=f"above {-lifted:.6g} N", remedy="correct load, mass or gravity",
             )  # fmt: skip
+        feeds = tuple(sorted(self._number(path) for path in self._paths("demand.feeds")))
         axis = Axis(
-            name=self._text("axis.name") or self._name, k=k, **numbers,
+            **numbers, name=self._text("axis.name") or self._name,
             friction=self._friction(normal, capped=capped), drive=self._drive(),
-            demand=Demand(
-                feeds=tuple(sorted(self._number(path) for path in self._paths("demand.feeds"))),
-                **self._fields("demand", ("acceleration", "largest_jump", "largest_error")),
-            ),
+            demand=Demand(**self._fields("demand") | {"feeds": feeds}),
             stiffest=-_least(*(-each for each in stiffness)) if len(stiffness) > 1 else None,
             spread={
                 path: value.spread
-                for path, value in self._values.items()
+                for path, value in self._stated.items()
                 if isinstance(value, Number) and value.spread
             },
             assumed=tuple(self._assumed),
@@ -96,18 +83,17 @@ class Builder:
 
     def _friction(self, normal: float, *, capped: bool) -> Friction:
         """Return the friction under a normal force [N]."""
-        law, own, curve = self._law, self._own(), self._curve(normal)
-        mu = {name: self._coefficient(name, normal) for name in ("s", "k")}
+        own, curve = self._own(), self._curve(normal)
+        mu_s, mu_k = (self._coefficient(name, normal) for name in "sk")
         if curve is not None:
             own |= curve.parameters
-            mu["k"] = min(curve.coefficients)
+            mu_k = min(curve.coefficients)
             reason = "the least of the curve, for studies with a constant kinetic friction"
-            self._assumed.append(Assumed("friction.mu_k", f"{mu['k']:.4g}", reason))
-            if mu["s"] is None:
-                mu["s"] = curve.coefficients[0]
+            self._assume("friction.mu_k", f"{mu_k:.4g}", reason)
+            if mu_s is None:
+                mu_s = curve.coefficients[0]
                 reason = "the friction of the curve at speed 0"
-                self._assumed.append(Assumed("friction.mu_s", f"{mu['s']:.4g}", reason))
-        mu_s, mu_k = mu["s"], mu["k"]
+                self._assume("friction.mu_s", f"{mu_s:.4g}", reason)
         assert mu_s is not None
         assert mu_k is not None
         above = mu_k > mu_s
@@ -119,25 +105,22 @@ class Builder:
                 remedy="exchange the two if they are mixed up",
             )  # fmt: skip
         return Friction(
-            mu_s=mu_s, mu_k=_least(mu_k, mu_s), law=law, own=own,
+            mu_s=mu_s, mu_k=_least(mu_k, mu_s), law=self._law, own=own,
             in_newtons="friction.F_s" in self._values, capped=above,
         )  # fmt: skip
 
     def _coefficient(self, which: str, normal: float) -> float | None:
         if f"friction.mu_{which}" in self._values:
             return self._number(f"friction.mu_{which}")
-        path = f"friction.F_{which}"
-        if path not in self._values:
-            return None
-        return self._at_slide(path) / normal
+        force = f"friction.F_{which}"
+        return self._at_slide(force) / normal if force in self._values else None
 
     def _own(self) -> dict[str, float]:
         """Return what is stated of the friction law's own parameters."""
-        names = friction_law(self._law).parameters
         own = {
-            name: self._number(f"friction.{name}")
-            for name in names
-            if isinstance(self._values.get(f"friction.{name}"), Number)
+            name: number.value
+            for name in friction_law(self._law).parameters
+            if isinstance(number := self._stated.get(f"friction.{name}"), Number)
         }
         if self._law == "stribeck":
             own["shape"] = float(Shape[(self._text("friction.shape") or "stribeck").upper()])
@@ -153,20 +136,16 @@ class Builder:
             raise AxisError(f"is no friction curve: {error}", key="friction.curve") from None
 
     def _drive(self) -> Drive | None:
-        if "drive" not in self._sections or self._text("drive.kind") == "rigid":
+        if not self._is_servo:
             return None
-        names = (
-            "inertia d dry K_v bandwidth T_n T_s lag dead_time velocity_feedforward "
-            "friction_feedforward dead_band F_max resolution_motor resolution_table pitch"
-        )
-        numbers = self._fields("drive", tuple(names.split()))
+        numbers = self._fields("drive")
         if "bandwidth" not in numbers:
             numbers["bandwidth"] = self._at_slide("drive.velocity_gain") / numbers["inertia"]
         numbers.setdefault("T_n", 4.0 / numbers["bandwidth"])
+        filters = [each for each in self._sections if each.startswith("drive.filter")]
         return Drive(
-            **numbers, on_table=self._text("drive.position") != "motor",
-            filters=tuple(self._filter(each, numbers["T_s"]) for each in self._sections
-                          if each.startswith("drive.filter")),
+            **numbers, on_table=self._text("drive.position") == "table",
+            filters=tuple(self._filter(each, numbers["T_s"]) for each in filters),
         )  # fmt: skip
 
     def _filter(self, path: str, T_s: float) -> Filter:
@@ -177,21 +156,18 @@ class Builder:
                 within=f"below {0.5 / T_s:g} Hz, half the sampling frequency",
                 remedy="leave the filter out, or shorten drive.sample_time",
             )  # fmt: skip
-        has_damping = f"{path}.damping" in self._values
+        damping = math.inf
+        if f"{path}.damping" in self._values:
+            damping = self._number(f"{path}.damping")
+        elif f"{path}.width" in self._values:
+            damping = self._number(f"{path}.width") / (2.0 * frequency)
+        elif self._text(f"{path}.kind") == "notch":
+            path = f"{path}.damping"
+            raise key_of(path).refusal(path, "is missing, or width in its place")
+        else:
+            self._assume(f"{path}.damping", "first order", "none is stated")
         if self._text(f"{path}.kind") == "low pass":
-            if has_damping:
-                return low_pass(frequency, self._number(f"{path}.damping"))
-            self._assumed.append(Assumed(f"{path}.damping", "first order", "none is stated"))
-            return low_pass(frequency)
-        if not has_damping and f"{path}.width" not in self._values:
-            raise _missing(
-                BY_PATH["drive.filter.damping"], f"{path}.damping", ", or width in its place"
-            )
-        damping = (
-            self._number(f"{path}.damping")
-            if has_damping
-            else self._number(f"{path}.width") / (2.0 * frequency)
-        )
+            return low_pass(frequency, damping)
         return notch(frequency, damping, self._number(f"{path}.leaves"))
 
     def _check(self, axis: Axis) -> None:
@@ -207,28 +183,26 @@ class Builder:
                 raise AxisError(reason, key="friction.curve") from None
             raise AxisError(f"has numbers that do not go together: {error}", key="axis") from None
 
-    def _fields(self, section: str, fields: tuple[str, ...]) -> dict[str, float]:
-        """Return the numbers of fields of a section that are stated or have a default, by field."""
-        names = {key.symbol: key for key in BY_SECTION[section].values()}
+    def _fields(self, section: str) -> dict[str, Any]:
+        """Return the numbers of a section that are stated or have a default, by symbol."""
         return {
-            name: self._at_slide(names[name].path)
-            for name in fields
-            if names[name].path in self._values or names[name].default
+            key.symbol: self._at_slide(path)
+            for key in BY_SECTION[section].values()
+            if key.symbol and isinstance(self._values.get(path := key.path), Number)
         }
 
     def _at_slide(self, path: str) -> float:
         """Return a number, of what is stated at the motor as it is seen at the slide."""
-        number = self._at(path)
+        number = self._values[path]
+        assert isinstance(number, Number)
         value = number.value
-        if BY_PATH[path].units[0] == number.unit:
+        if number.unit in {key_of(path).units[0], "1/s"}:
             return value
         if number.unit == "1/turn":
-            return self._number("drive.pitch") / value
+            return self._needed("drive.pitch", path) / value
         if number.unit == "1":
             # Not in place: the value may be an array, which is the caller's.
             value = value * self._needed("drive.rated_torque", path)
-        if number.unit in {"1/s", "rad/s"}:
-            return value
         per_metre = 2.0 * math.pi / self._needed("drive.pitch", path)
         for _ in range(_AT_MOTOR.get(number.unit, 1)):
             value = value * per_metre
@@ -238,92 +212,71 @@ class Builder:
 
     def _needed(self, path: str, by: str) -> float:
         if path not in self._values:
-            raise _missing(BY_PATH[path], path, f"; {by} is stated in terms of it")
+            raise key_of(path).refusal(path, f"is missing; {by} is stated in terms of it")
         return self._number(path)
 
     def _number(self, path: str) -> float:
-        return self._at(path).value
-
-    def _at(self, path: str) -> Number:
-        """Return a number, its default where it is not stated."""
-        number = self._values.get(path)
-        if number is None:
-            key = key_of(path)
-            number = values_of(key, path, json.loads(key.default))[path]
+        number = self._values[path]
         assert isinstance(number, Number)
-        return number
+        return number.value
 
     def _text(self, path: str) -> str:
-        text = self._values.get(path, "")
-        assert isinstance(text, str)
-        return text
+        return str(self._values.get(path, ""))
 
     def _paths(self, path: str) -> list[str]:
         """Return the names of the values of a key that may be a list."""
         return [each for each in self._values if each.partition("[")[0] == path]
 
-    @property
-    def _law(self) -> str:
-        default = "stribeck" if "friction.curve" in self._values else "coulomb"
-        return self._text("friction.law") or default
+    def _assume(self, path: str, value: str, reason: str) -> None:
+        self._assumed.append(Assumed(path, value, reason))
 
-    def _unstated(self) -> Iterator[Assumed]:
-        """Yield what is not stated; raises AxisError where it must be, or must not."""
-        for section in SECTIONS:
-            here = [each for each in self._sections if each.partition("[")[0] == section.name]
-            if not here and section.name == "drive.filter" and not self._is_servo:
-                continue
-            if not here:
-                if section.required:
-                    raise AxisError(
-                        "is missing", key=section.name, remedy=f"write a section {section.header}"
-                    )
-                yield Assumed(section.name, section.otherwise, section.reason)
-            elif section.name == "drive" and not self._is_servo:
-                yield Assumed("drive", section.otherwise, 'drive.kind is "rigid"')
-                yield from self._unstated_of("drive", ("pitch", "rated_torque"))
-            for table in here if section.name != "drive" or self._is_servo else ():
-                yield from self._unstated_of(table, tuple(BY_SECTION[section.name]))
+    def _complete(self) -> None:
+        """Take what is not stated; raises AxisError where it must be, or must not."""
+        for section in SECTIONS.values():
+            tables = [each for each in self._sections if each.partition("[")[0] == section.name]
+            keys: Iterable[Key] = BY_SECTION[section.name].values()
+            if section.name == "drive" and tables and not self._is_servo:
+                self._assume("drive", section.otherwise, 'drive.kind is "rigid"')
+                keys = [key for key in keys if key.name in {"pitch", "rated_torque"}]
+            elif not tables and not section.otherwise:
+                remedy = f"write a section {section.header}"
+                raise AxisError("is missing", key=section.name, remedy=remedy)
+            elif not tables and (self._is_servo or not section.is_array):
+                self._assume(section.name, section.otherwise, section.reason)
+            for table in tables:
+                for key in keys:
+                    self._complete_key(table, key)
 
-    @property
-    def _is_servo(self) -> bool:
-        return "drive" in self._sections and self._text("drive.kind") != "rigid"
-
-    def _unstated_of(self, table: str, names: tuple[str, ...]) -> Iterator[Assumed]:
-        for name in names:
-            key, path = BY_PATH[f"{table.partition('[')[0]}.{name}"], f"{table}.{name}"
-            stated = {each for each in BY_SECTION[key.section] if self._paths_in(table, each)}
-            goes = self._goes(key, table)
-            if name in stated:
-                if not goes:
-                    remedy = f"state {key.needs}, or leave {name} out"
-                    raise AxisError(f"goes with {key.needs} only", key=path, remedy=remedy)
-                beside = [each for each in key.excludes if each in stated]
-                if beside:
-                    raise AxisError(
-                        f"stands beside {beside[0]}, which says the same", key=path,
-                        remedy=f"leave {name} or {beside[0]} out",
-                    )  # fmt: skip
-            elif goes and not stated & {*key.unless, *key.excludes}:
-                if key.required:
-                    others = " or ".join(key.unless)
-                    raise _missing(key, path, f", or {others} in its place" if others else "")
-                if key.reason:
-                    yield Assumed(path, key.taken, key.reason)
+    def _complete_key(self, table: str, key: Key) -> None:
+        path = f"{table}.{key.name}"
+        goes = self._goes(key, table)
+        beside = [each for each in key.excludes if f"{table}.{each}" in self._keys]
+        others = [each for each in key.unless if f"{table}.{each}" in self._keys]
+        if path in self._keys:
+            if not goes:
+                remedy = f"state {key.needs}, or leave {key.name} out"
+                raise AxisError(f"goes with {key.needs} only", key=path, remedy=remedy)
+            if beside:
+                raise AxisError(
+                    f"stands beside {beside[0]}, which says the same", key=path,
+                    remedy=f"leave {key.name} or {beside[0]} out",
+                )  # fmt: skip
+        elif goes and not beside and not others:
+            if key.required:
+                instead = f", or {' or '.join(key.unless)} in its place" if key.unless else ""
+                raise key.refusal(path, f"is missing{instead}")
+            if key.default:
+                self._values |= values_of(key, path, json.loads(key.default))
+            if key.reason:
+                self._assume(path, key.taken, key.reason)
 
     def _goes(self, key: Key, table: str) -> bool:
         """Return whether a key has what it goes with."""
-        if not key.goes_with:
-            return True
-        name, *texts = key.goes_with
+        name, *texts = key.goes_with or ("",)
+        path = f"{table}.{name}"
         if not texts:
-            return bool(self._paths_in(table, name))
-        path = f"{table}.{name}"
+            return not name or path in self._keys
         return (self._law if path == "friction.law" else self._text(path)) in texts
-
-    def _paths_in(self, table: str, name: str) -> bool:
-        path = f"{table}.{name}"
-        return path in self._values or f"{path}[1]" in self._values
 
 
 def _least(first: Any, *others: Any) -> Any:
@@ -336,16 +289,3 @@ def _least(first: Any, *others: Any) -> Any:
 def _plain(value: Any) -> Any:
     """Return a result of NumPy, as a plain float where it is one number."""
     return value if np.ndim(value) else float(value)
-
-
-def key_of(path: str) -> Key:
-    """Return the key of a name in a file; its places in lists are left out."""
-    parts = [part.partition("[")[0] for part in path.split(".")]
-    return BY_PATH[".".join(parts)]
-
-
-def _missing(key: Key, path: str, others: str) -> AxisError:
-    return AxisError(
-        f"is missing{others}", key=path, within=key.expected,
-        remedy=f"write such as {key.name} = {key.example}",
-    )  # fmt: skip

@@ -7,33 +7,27 @@ from `SECTIONS` and `KEYS`.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+import re
+from dataclasses import dataclass, replace
 from typing import Final
 
-from stickslip_ref import COULOMB, STRIBECK, FrictionLaw
+from stickslip_ref import COULOMB, STRIBECK, OwnParameter
 
 from ..quantity import KINDS, Kind, Units, on_data_sheet
 from .model import STANDARD_GRAVITY
+from .refusal import AxisError
 
-UNITS: Final = Units(
-    on_data_sheet,
-    {
-        **KINDS,
-        **{
-            kind.unit: kind
-            for kind in (
-                Kind("an inertia", "kg.m2", "60 kg cm2"),
-                Kind("a torque", "N.m", "19 N m"),
-                Kind("a damping at the motor", "N.m.s/rad", "2 mN m s/rad"),
-                Kind("a damping at the motor", "N.m.s", "2 mN m s"),
-                Kind("a rate", "1/s", "25 1/s"),
-                Kind("an angular frequency", "rad/s", "300 rad/s"),
-                Kind("a frequency", "Hz", "400 Hz"),
-                Kind("counts per turn", "1/turn", "1000000 counts/turn"),
-            )
-        },
-    },
+_AT_MOTOR: Final = (
+    Kind("an inertia", "kg.m2", "60 kg cm2"),
+    Kind("a torque", "N.m", "19 N m"),
+    Kind("a damping at the motor", "N.m.s/rad", "2 mN m s/rad"),
+    Kind("a damping at the motor", "N.m.s", "2 mN m s"),
+    Kind("a rate", "1/s", "25 1/s"),
+    Kind("an angular frequency", "rad/s", "300 rad/s"),
+    Kind("a frequency", "Hz", "400 Hz"),
+    Kind("counts per turn", "1/turn", "1000000 counts/turn"),
 )
+UNITS: Final = Units(on_data_sheet, KINDS | {kind.unit: kind for kind in _AT_MOTOR})
 """How quantities are written in an axis file."""
 
 FORCE: Final = ("N", "N.m")
@@ -72,25 +66,16 @@ PART: Final = Range(0.0, high=1.0)
 
 @dataclass(frozen=True)
 class Section:
-    """A section of an axis file.
-
-    Attributes
-    ----------
-    name
-        Its name; behind a point a table of an array, `[[drive.filter]]`.
-    meaning
-        What it says, in a line.
-    required
-        Whether a file must have it.
-    otherwise, reason
-        What is taken without it, and why.
-    """
+    """A section of an axis file."""
 
     name: str
+    """Its name; behind a point a table of an array, `[[drive.filter]]`."""
     meaning: str
-    required: bool = False
+    """What it says, in a line."""
     otherwise: str = ""
+    """What is taken without it; empty: a file must have it."""
     reason: str = ""
+    """Why that is taken."""
 
     @property
     def is_array(self) -> bool:
@@ -103,76 +88,50 @@ class Section:
         return f"[[{self.name}]]" if self.is_array else f"[{self.name}]"
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True)
 class Key:
-    """A key of an axis file.
+    """A key of an axis file."""
 
-    Attributes
-    ----------
-    section, name
-        Where it stands.
-    field
-        What it sets in `Axis`, by name there, or how that is computed.
-    meaning
-        One line.
-    example
-        A value as it stands in a file.
-    units
-        SI units of what may be stated, the first that of the field; empty: it is a text.
-    choices
-        The texts that it may be; empty: any.
-    within
-        Range of its number.
-    spread
-        Whether it may have a ±.
-    most
-        How many values it may have; above 1 they are a list, or one value.
-    required
-        Whether it must be stated, where its section and `goes_with` are.
-    unless
-        Keys of its section that may stand in its place.
-    excludes
-        Keys of its section that must not stand beside it.
-    goes_with
-        A key of its section and the texts of it, one of which it needs; no text: any value.
-    default
-        What it is where it is not stated, as it would stand in a file; empty: see `otherwise`.
-    otherwise
-        What is taken where it is not stated, in words.
-    reason
-        Why that is taken; empty: nothing is assumed.
-    in_example
-        Whether the axis of docs/feed-axis.md states it.
-    """
-
-    section: str
-    name: str
-    field: str
+    symbol: str
+    """What it sets in `Axis`, by its own name there, as ``K_v``; empty: that is computed."""
     meaning: str
+    """One line."""
     example: str
+    """A value as it stands in a file."""
     units: tuple[str, ...] = ()
-    choices: tuple[str, ...] = ()
+    """SI units of what may be stated, the first that of the symbol; empty: it is a text."""
     within: Range = ANY
+    """Range of its number."""
     spread: bool = False
+    """Whether it may have a ±."""
     most: int = 1
-    required: bool = False
-    unless: tuple[str, ...] = ()
-    excludes: tuple[str, ...] = ()
-    goes_with: tuple[str, ...] = ()
+    """How many values it may have; above 1 they are a list, or one value."""
+    choices: tuple[str, ...] = ()
+    """The texts that it may be; empty: any."""
     default: str = ""
+    """What it is where it is not stated, as it would stand in a file; empty: see `otherwise`."""
     otherwise: str = ""
+    """What is taken where it is not stated, in words."""
     reason: str = ""
+    """Why that is taken; empty: nothing is assumed."""
+    optional: bool = False
+    """Whether it may be left out though nothing is taken in its place."""
+    unless: tuple[str, ...] = ()
+    """Keys of its section that may stand in its place."""
+    excludes: tuple[str, ...] = ()
+    """Keys of its section that must not stand beside it."""
+    goes_with: tuple[str, ...] = ()
+    """A key of its section and the texts of it, one of which it needs; no text: any value."""
     in_example: bool = False
+    """Whether the axis of docs/feed-axis.md states it."""
+    section: str = ""
+    name: str = ""
+    """Where it stands: `KEYS` states it."""
 
     @property
     def path(self) -> str:
         """Its name with that of its section: ``axis.mass``."""
         return f"{self.section}.{self.name}"
-
-    @property
-    def symbol(self) -> str:
-        """The field's own name, as ``K_v``."""
-        return self.field.rpartition(".")[2].partition(",")[0]
 
     @property
     def kinds(self) -> tuple[Kind, ...]:
@@ -185,10 +144,15 @@ class Key:
         return self.kinds[0] if self.units == NUMBER else None
 
     @property
+    def required(self) -> bool:
+        """Whether it must be stated, where its section and `goes_with` are."""
+        return not (self.taken or self.optional)
+
+    @property
     def expected(self) -> str:
         """What is expected, in words."""
         if self.choices:
-            return "one of " + ", ".join(f'"{each}"' for each in self.choices)
+            return f"one of {', '.join(self.marks())}"
         if not self.units:
             return "a text"
         many = {1: "", 2: "one or two values, each "}.get(self.most, "a list, each ")
@@ -197,6 +161,16 @@ class Key:
             names[-1] = "percent of drive.rated_torque"
         within = "" if self.within == ANY else f", {self.within}"
         return f"{many}{' or '.join(names)}{within}"
+
+    def marks(self, quote: str = "") -> list[str]:
+        """Return its choices, each in quotes, or its range and ±."""
+        marks = [f'{quote}"{choice}"{quote}' for choice in self.choices]
+        return marks + [str(self.within)] * (self.within != ANY) + ["±"] * self.spread
+
+    def refusal(self, path: str, reason: str, value: str = "", remedy: str = "") -> AxisError:
+        """Return the refusal of what stands at a path, or of what is missing there."""
+        remedy = remedy or f"write such as {self.name} = {self.example}"
+        return AxisError(reason, key=path, value=value, within=self.expected, remedy=remedy)
 
     @property
     def needs(self) -> str:
@@ -210,333 +184,277 @@ class Key:
         return self.default.strip('"') or self.otherwise
 
 
-SECTIONS: Final = (
-    Section("axis", "The table on its guideway, and the screw that moves it.", required=True),
-    Section("friction", "The friction of the guideway: one of the ways to say it.", required=True),
+_ALL: Final = (
+    Section("axis", "The table on its guideway, and the screw that moves it."),
+    Section("friction", "The friction of the guideway: one of the ways to say it."),
     Section(
         "drive",
         "Motor and controller. Forces, dampings and the inertia are stated at the slide (N, "
         "N s/m, kg) or at the motor (N m, N m s/rad, kg cm2).",
-        otherwise="a rigid drive",
-        reason="the nut is taken to move at the feed, whatever the force",
+        "a rigid drive", "the nut is taken to move at the feed, whatever the force",
     ),
     Section(
-        "drive.filter",
-        "A filter of the motor's force or current; one such section for each.",
-        otherwise="no filter",
-        reason="none is stated",
+        "drive.filter", "A filter of the motor's force or current; one such section for each.",
+        "no filter", "none is stated",
     ),
     Section(
-        "demand",
-        "What is asked of the axis.",
-        otherwise="nothing is asked",
-        reason="the critical feed is told, without a verdict on a feed",
+        "demand", "What is asked of the axis.", "nothing is asked",
+        "the critical feed is told, without a verdict on a feed",
     ),
-)
+)  # fmt: skip
+SECTIONS: Final = {section.name: section for section in _ALL}
+"""The sections by name, in the order of the template."""
+
+_COULOMB: Final = ("law", "coulomb")
+_STRIBECK: Final = ("law", "stribeck")
 
 
-def _of_law(law: FrictionLaw, name: str, kind: str, meaning: str, example: str, **more: str) -> Key:
-    """Return the key of a parameter of a friction law, with the law's default and range."""
-    own = law.parameters[name]
-    needs = ("law", "stribeck" if law is STRIBECK else "coulomb")
-    number = f"{own.start:g}"
+def _of_law(
+    own: OwnParameter, meaning: str, example: str, goes_with: tuple[str, ...], reason: str = "",
+    instead: tuple[str, ...] = (),
+) -> Key:  # fmt: skip
+    """Return the key of a parameter of a friction law, with the law's unit, default and range."""
+    unit = own.bound.unit or "1"
+    default = f"{own.start:g}" if unit == "1" else f'"{own.start:g} {unit}"'
     return Key(
-        section="friction", name=name, field=f"friction.own: {name}", meaning=meaning,
-        example=example, units=(kind,), spread=True, within=Range(own.bound.low, own.bound.strict),
-        goes_with=(more["needs"],) if "needs" in more else needs,
-        excludes=("curve",) if law is STRIBECK else (), required="reason" not in more,
-        unless=("curve",) if law is STRIBECK else (),
-        default="" if "reason" not in more else number if kind == "1" else f'"{number} {kind}"',
-        reason=more.get("reason", ""),
+        "", meaning, example, (unit,), Range(own.bound.low, own.bound.strict), spread=True,
+        default=default if reason else "", reason=reason, unless=instead, excludes=instead,
+        goes_with=goes_with,
     )  # fmt: skip
 
 
-KEYS: Final = (
-    Key(
-        section="axis", name="name", field="name", meaning="What the axis is called in the report.",
-        example='"X axis"', otherwise="the name of the file", in_example=True,
+_KEYS: Final = {
+    "axis.name": Key(
+        "name", "What the axis is called in the report.", '"X axis"',
+        otherwise="the name of the file", in_example=True,
     ),
-    Key(
-        section="axis", name="mass", field="m", meaning="Table and workpiece.",
-        example='"500 kg"', units=("kg",), within=ABOVE, spread=True, required=True,
-        in_example=True,
+    "axis.mass": Key(
+        "m", "Table and workpiece.", '"500 kg"', ("kg",), ABOVE, spread=True, in_example=True,
     ),
-    Key(
-        section="axis", name="stiffness", field="k, stiffest",
-        meaning="Screw, nut, bearings and coupling in series, seen at the slide; a list of two is "
-        "the near and the far end of the screw, of which the softer is judged.",
-        example='"40 N/um"', units=("N/m",), within=ABOVE, spread=True, most=2, required=True,
-        in_example=True,
+    "axis.stiffness": Key(
+        "k",
+        "Screw, nut, bearings and coupling in series, seen at the slide; a list of two is the near "
+        "and the far end of the screw, of which the softer is judged.", '"40 N/um"', ("N/m",),
+        ABOVE, spread=True, most=2, in_example=True,
     ),
-    Key(
-        section="axis", name="c", field="c", meaning="Viscous friction of the guideway.",
-        example='"4 kN s/m"', units=("N.s/m",), within=LEAST, spread=True, excludes=("zeta",),
-        default='"0 N s/m"',
-        reason="the least favourable, as the drive alone takes energy out", in_example=True,
+    "axis.c": Key(
+        "c", "Viscous friction of the guideway.", '"4 kN s/m"', ("N.s/m",), LEAST, spread=True,
+        default='"0 N s/m"', reason="the least favourable, as the drive alone takes energy out",
+        excludes=("zeta",), in_example=True,
     ),
-    Key(
-        section="axis", name="zeta", field="c = 2 zeta sqrt(k m)",
-        meaning="Damping ratio of the table on the screw, in place of c.",
-        example='"1.4 %"', units=NUMBER, within=LEAST, spread=True, excludes=("c",),
+    "axis.zeta": Key(
+        "", "Damping ratio of the table on the screw, in place of c.", '"1.4 %"', NUMBER, LEAST,
+        spread=True, optional=True, excludes=("c",),
     ),
-    Key(
-        section="axis", name="load", field="load",
-        meaning="Force that presses on the guideway beside the weight; negative where it lifts.",
-        example='"2 kN"', units=("N",), spread=True, default='"0 N"', reason="the weight alone",
+    "axis.load": Key(
+        "load", "Force that presses on the guideway beside the weight; negative where it lifts.",
+        '"2 kN"', ("N",), spread=True, default='"0 N"', reason="the weight alone",
     ),
-    Key(
-        section="axis", name="force_along", field="along",
-        meaning="Constant force on the table along the way: weight of a vertical axis less its "
-        "counterweight, a seal's pull; positive in the direction of the feed.",
-        example='"-300 N"', units=("N",), spread=True, default='"0 N"',
-        reason="a horizontal axis without counterweight",
+    "axis.force_along": Key(
+        "along",
+        "Constant force on the table along the way: weight of a vertical axis less its "
+        "counterweight, a seal's pull; positive in the direction of the feed.", '"-300 N"', ("N",),
+        spread=True, default='"0 N"', reason="a horizontal axis without counterweight",
     ),
-    Key(
-        section="axis", name="gravity", field="g",
-        meaning="Gravity across the guideway; on an inclined one the part that presses.",
-        example='"9.81 m/s2"', units=("m/s2",), within=ABOVE,
-        default=f'"{STANDARD_GRAVITY} m/s2"', reason="a horizontal guideway",
+    "axis.gravity": Key(
+        "g", "Gravity across the guideway; on an inclined one the part that presses.",
+        '"9.81 m/s2"', ("m/s2",), ABOVE, default=f'"{STANDARD_GRAVITY} m/s2"',
+        reason="a horizontal guideway",
     ),
-    Key(
-        section="friction", name="mu_s", field="friction.mu_s",
-        meaning="Static friction coefficient: break-away force over normal force.",
-        example="0.20", units=NUMBER, within=LEAST, spread=True, required=True,
-        unless=("F_s", "curve"), excludes=("F_s", "F_k"), in_example=True,
+    "friction.mu_s": Key(
+        "mu_s", "Static friction coefficient: break-away force over normal force.", "0.20", NUMBER,
+        LEAST, spread=True, unless=("F_s", "curve"), excludes=("F_s", "F_k"), in_example=True,
     ),
-    Key(
-        section="friction", name="mu_k", field="friction.mu_k",
-        meaning="Kinetic friction coefficient, without the viscous part.",
-        example="0.15", units=NUMBER, within=LEAST, spread=True, required=True,
-        unless=("F_k", "curve"), excludes=("F_s", "F_k", "curve"), in_example=True,
+    "friction.mu_k": Key(
+        "mu_k", "Kinetic friction coefficient, without the viscous part.", "0.15", NUMBER, LEAST,
+        spread=True, unless=("F_k", "curve"), excludes=("F_s", "F_k", "curve"), in_example=True,
     ),
-    Key(
-        section="friction", name="F_s", field="friction.mu_s = F_s / (mass gravity + load)",
-        meaning="Break-away force, in place of mu_s (rollers, seals): at the slide, as torque at "
-        "the motor, or in percent of drive.rated_torque.",
-        example='"981 N"', units=(*FORCE, "1"), within=LEAST, spread=True, required=True,
+    "friction.F_s": Key(
+        "",
+        "Break-away force, in place of mu_s (rollers, seals): at the slide, as torque at the "
+        "motor, or in percent of drive.rated_torque.", '"981 N"', (*FORCE, "1"), LEAST, spread=True,
         unless=("mu_s", "curve"), excludes=("mu_s", "mu_k"),
     ),
-    Key(
-        section="friction", name="F_k", field="friction.mu_k = F_k / (mass gravity + load)",
-        meaning="Kinetic friction, in place of mu_k; as F_s.",
-        example='"736 N"', units=(*FORCE, "1"), within=LEAST, spread=True, required=True,
-        unless=("mu_k", "curve"), excludes=("mu_s", "mu_k", "curve"),
+    "friction.F_k": Key(
+        "", "Kinetic friction, in place of mu_k; as F_s.", '"736 N"', (*FORCE, "1"), LEAST,
+        spread=True, unless=("mu_k", "curve"), excludes=("mu_s", "mu_k", "curve"),
     ),
-    Key(
-        section="friction", name="curve", field="friction.own, mu_s, mu_k",
-        meaning="CSV file of measured friction over speed, in place of mu_k or F_k; a path from "
-        "the folder of this file.",
-        example='"guideway.csv"', excludes=("mu_k", "F_k", "shape", "v_s", "delta"),
-        goes_with=("law", "stribeck"),
+    "friction.curve": Key(
+        "",
+        "CSV file of measured friction over speed, in place of mu_k or F_k; a path from the folder "
+        "of this file.", '"guideway.csv"', optional=True, goes_with=_STRIBECK,
+        excludes=("mu_k", "F_k", "shape", "v_s", "delta"),
     ),
-    Key(
-        section="friction", name="law", field="friction.law",
-        meaning="Friction law: constant in slip, or falling with the speed, as with a curve.",
-        example='"coulomb"', choices=("coulomb", "stribeck"), unless=("curve",),
-        default='"coulomb"',
+    "friction.law": Key(
+        "law", "Friction law: constant in slip, or falling with the speed, as with a curve.",
+        '"coulomb"', choices=("coulomb", "stribeck"), unless=("curve",), default='"coulomb"',
         reason="two coefficients are the whole friction",
     ),
-    _of_law(
-        COULOMB, "tau_s", "s", "Time at rest over which static friction grows to mu_s.",
-        '"100 ms"', reason="static friction is there at once",
+    "friction.tau_s": _of_law(
+        COULOMB.parameters["tau_s"], "Time at rest over which static friction grows to mu_s.",
+        '"100 ms"', _COULOMB, "static friction is there at once",
     ),
-    _of_law(
-        COULOMB, "B", "1", "Growth of the static coefficient with the logarithm of the time at "
-        "rest.", "0.01", reason="static friction does not grow without end",
+    "friction.B": _of_law(
+        COULOMB.parameters["B"],
+        "Growth of the static coefficient with the logarithm of the time at rest.", "0.01",
+        _COULOMB, "static friction does not grow without end",
     ),
-    _of_law(
-        COULOMB, "t_0", "s", "Time at rest from which on that growth is logarithmic.", '"1 ms"',
-        needs="B", reason="the default of the friction law",
+    "friction.t_0": _of_law(
+        COULOMB.parameters["t_0"], "Time at rest from which on that growth is logarithmic.",
+        '"1 ms"', ("B",), "the default of the friction law",
     ),
-    Key(
-        section="friction", name="shape", field="friction.own: shape",
-        meaning="How friction falls from mu_s to mu_k: exp(-(u/v_s)^delta), or 1/(1 + u/v_s).",
-        example='"stribeck"', choices=("stribeck", "hyperbolic"), goes_with=("law", "stribeck"),
-        excludes=("curve",), default='"stribeck"', reason="the default of the friction law",
+    "friction.shape": Key(
+        "", "How friction falls from mu_s to mu_k: exp(-(u/v_s)^delta), or 1/(1 + u/v_s).",
+        '"stribeck"', choices=("stribeck", "hyperbolic"), goes_with=_STRIBECK, default='"stribeck"',
+        reason="the default of the friction law", excludes=("curve",),
     ),
-    _of_law(STRIBECK, "v_s", "m/s", "Speed over which friction falls.", '"10 mm/s"'),
-    _of_law(
-        STRIBECK, "delta", "1", "Exponent of the fall.", "1",
-        reason="the default of the friction law",
+    "friction.v_s": _of_law(
+        STRIBECK.parameters["v_s"], "Speed over which friction falls.", '"10 mm/s"', _STRIBECK,
+        instead=("curve",),
     ),
-    Key(
-        section="drive", name="kind", field="drive",
-        meaning="A screw behind a servo motor; rigid: pitch and rated torque alone are read.",
-        example='"screw"', choices=("screw", "rigid"), default='"screw"',
+    "friction.delta": _of_law(
+        STRIBECK.parameters["delta"], "Exponent of the fall.", "1", _STRIBECK,
+        "the default of the friction law", ("curve",),
     ),
-    Key(
-        section="drive", name="pitch", field="drive.pitch",
-        meaning="Way of the slide in a turn of the motor, a gear included.",
-        example='"10 mm"', units=("m",), within=ABOVE, required=True, in_example=True,
+    "drive.kind": Key(
+        "", "A screw behind a servo motor; rigid: pitch and rated torque alone are read.",
+        '"screw"', choices=("screw", "rigid"), default='"screw"',
     ),
-    Key(
-        section="drive", name="inertia", field="drive.inertia",
-        meaning="Motor, brake, coupling and screw.",
-        example='"60 kg cm2"', units=("kg", "kg.m2"), within=ABOVE, spread=True, required=True,
-        in_example=True,
+    "drive.pitch": Key(
+        "pitch", "Way of the slide in a turn of the motor, a gear included.", '"10 mm"', ("m",),
+        ABOVE, in_example=True,
     ),
-    Key(
-        section="drive", name="viscous_friction", field="drive.d",
-        meaning="Viscous friction of motor, bearings and nut.",
-        example='"1 kN s/m"', units=DAMPING, within=LEAST, spread=True, default='"0 N s/m"',
-        reason="the least favourable", in_example=True,
+    "drive.inertia": Key(
+        "inertia", "Motor, brake, coupling and screw.", '"60 kg cm2"', ("kg", "kg.m2"), ABOVE,
+        spread=True, in_example=True,
     ),
-    Key(
-        section="drive", name="dry_friction", field="drive.dry",
-        meaning="Dry friction of motor, bearings and nut: their idling torque.",
-        example='"1 N m"', units=FORCE, within=LEAST, spread=True, default='"0 N"',
-        reason="all dry friction is that of the guideway",
+    "drive.viscous_friction": Key(
+        "d", "Viscous friction of motor, bearings and nut.", '"1 kN s/m"', DAMPING, LEAST,
+        spread=True, default='"0 N s/m"', reason="the least favourable", in_example=True,
     ),
-    Key(
-        section="drive", name="K_v", field="drive.K_v",
-        meaning="Position gain: speed over following error.",
-        example='"25 1/s"', units=("1/s",), within=ABOVE, spread=True, required=True,
-        in_example=True,
+    "drive.dry_friction": Key(
+        "dry", "Dry friction of motor, bearings and nut: their idling torque.", '"1 N m"', FORCE,
+        LEAST, spread=True, default='"0 N"', reason="all dry friction is that of the guideway",
     ),
-    Key(
-        section="drive", name="bandwidth", field="drive.bandwidth",
-        meaning="Bandwidth of the velocity loop: its gain over the inertia.",
-        example='"300 1/s"', units=("rad/s", "1/s"), within=ABOVE, spread=True, required=True,
-        unless=("velocity_gain",), excludes=("velocity_gain",), in_example=True,
+    "drive.K_v": Key(
+        "K_v", "Position gain: speed over following error.", '"25 1/s"', ("1/s",), ABOVE,
+        spread=True, in_example=True,
     ),
-    Key(
-        section="drive", name="velocity_gain", field="drive.bandwidth = velocity_gain / inertia",
-        meaning="Gain of the velocity controller, in place of its bandwidth.",
-        example='"1.8 N m s/rad"', units=DAMPING, within=ABOVE, spread=True,
-        excludes=("bandwidth",),
+    "drive.bandwidth": Key(
+        "bandwidth", "Bandwidth of the velocity loop: its gain over the inertia.", '"300 1/s"',
+        ("rad/s", "1/s"), ABOVE, spread=True, unless=("velocity_gain",),
+        excludes=("velocity_gain",), in_example=True,
     ),
-    Key(
-        section="drive", name="integral_time", field="drive.T_n",
-        meaning="Integral time T_n of the velocity controller; 0 s: no integral.",
-        example='"13 ms"', units=("s",), within=LEAST, spread=True, otherwise="4 / bandwidth",
+    "drive.velocity_gain": Key(
+        "", "Gain of the velocity controller, in place of its bandwidth.", '"1.8 N m s/rad"',
+        DAMPING, ABOVE, spread=True, optional=True, excludes=("bandwidth",),
+    ),
+    "drive.integral_time": Key(
+        "T_n", "Integral time T_n of the velocity controller; 0 s: no integral.", '"13 ms"', ("s",),
+        LEAST, spread=True, otherwise="4 / bandwidth",
         reason="critically damps the velocity loop of the drive alone",
     ),
-    Key(
-        section="drive", name="sample_time", field="drive.T_s",
-        meaning="Sample time of position and velocity controller.",
-        example='"0.25 ms"', units=("s",), within=ABOVE, default='"0.25 ms"',
-        reason="usual for servo drives", in_example=True,
+    "drive.sample_time": Key(
+        "T_s", "Sample time of position and velocity controller.", '"0.25 ms"', ("s",), ABOVE,
+        default='"0.25 ms"', reason="usual for servo drives", in_example=True,
     ),
-    Key(
-        section="drive", name="current_lag", field="drive.lag",
-        meaning="Time constant of the current loop.",
-        example='"0.3 ms"', units=("s",), within=LEAST, spread=True, default='"0 s"',
-        reason="the current loop is taken to be fast",
+    "drive.current_lag": Key(
+        "lag", "Time constant of the current loop.", '"0.3 ms"', ("s",), LEAST, spread=True,
+        default='"0 s"', reason="the current loop is taken to be fast",
     ),
-    Key(
-        section="drive", name="dead_time", field="drive.dead_time",
-        meaning="Time from a sample to its force: computing and bus.",
-        example='"0.25 ms"', units=("s",), within=LEAST, spread=True, default='"0 s"',
-        reason="the force is taken to follow at the sample",
+    "drive.dead_time": Key(
+        "dead_time", "Time from a sample to its force: computing and bus.", '"0.25 ms"', ("s",),
+        LEAST, spread=True, default='"0 s"', reason="the force is taken to follow at the sample",
     ),
-    Key(
-        section="drive", name="position", field="drive.on_table",
-        meaning="Where the position is measured: a scale on the table, or the motor's encoder.",
-        example='"table"', choices=("table", "motor"), default='"table"',
-        reason="a linear scale", in_example=True,
-    ),
-    Key(
-        section="drive", name="encoder", field="drive.resolution_motor",
-        meaning="Resolution of the motor's encoder after interpolation: at the slide, or "
-        "in counts/turn or lines/turn (a line is four counts).",
-        example='"10 nm"', units=("m", "1/turn"), within=ABOVE, otherwise="exact",
-        reason="counts are left out", in_example=True,
-    ),
-    Key(
-        section="drive", name="scale", field="drive.resolution_table",
-        meaning="Resolution of the scale on the table.",
-        example='"0.1 um"', units=("m",), within=ABOVE, otherwise="exact",
-        reason="counts are left out", in_example=True,
-    ),
-    Key(
-        section="drive", name="velocity_feedforward", field="drive.velocity_feedforward",
-        meaning="Part of the commanded speed that is fed forward.",
-        example="1.0", units=NUMBER, within=LEAST, default="1.0",
-        reason="usual; it moves the following error, not the jumps",
-    ),
-    Key(
-        section="drive", name="friction_feedforward", field="drive.friction_feedforward",
-        meaning="Force that is fed forward in the commanded direction.",
-        example='"736 N"', units=FORCE, within=LEAST, default='"0 N"', reason="none is stated",
-    ),
-    Key(
-        section="drive", name="dead_band", field="drive.dead_band",
-        meaning="Position error that the controller takes as none.",
-        example='"7 um"', units=("m",), within=LEAST, default='"0 um"', reason="none is stated",
-    ),
-    Key(
-        section="drive", name="limit", field="drive.F_max",
-        meaning="The most that the motor gives: force at the slide, or torque.",
-        example='"12 kN"', units=FORCE, within=ABOVE, otherwise="no limit",
-        reason="creeping and hunting stay far below the limit of a motor", in_example=True,
-    ),
-    Key(
-        section="drive", name="rated_torque", field="F_s, F_k in percent of it",
-        meaning="Rated torque of the motor, to which a drive refers its percent. What it shows at "
-        "a steady feed is the friction of slide, nut and motor together.",
-        example='"11 N m"', units=("N.m",), within=ABOVE,
-    ),
-    Key(
-        section="drive.filter", name="kind", field="drive.filters: kind",
-        meaning="A low pass, or a notch.",
-        example='"notch"', choices=("low pass", "notch"), required=True,
-    ),
-    Key(
-        section="drive.filter", name="frequency", field="drive.filters: frequency",
-        meaning="Corner or notch frequency, below half the sampling frequency.",
-        example='"400 Hz"', units=("Hz",), within=ABOVE, required=True,
-    ),
-    Key(
-        section="drive.filter", name="damping", field="drive.filters: damping",
-        meaning="Damping ratio of the poles; of a low pass that has none: first order.",
-        example="0.7", units=NUMBER, within=ABOVE, excludes=("width",),
-    ),
-    Key(
-        section="drive.filter", name="width", field="damping = width / (2 frequency)",
-        meaning="Width of a notch between its -3 dB points, in place of its damping.",
-        example='"200 Hz"', units=("Hz",), within=ABOVE, excludes=("damping",),
-        goes_with=("kind", "notch"),
-    ),
-    Key(
-        section="drive.filter", name="leaves", field="drive.filters: depth",
-        meaning="What a notch leaves of its frequency; 0: nothing.",
-        example='"10 %"', units=NUMBER, within=PART, goes_with=("kind", "notch"), default="0",
-        reason="a full notch",
-    ),
-    Key(
-        section="demand", name="feeds", field="demand.feeds",
-        meaning="Feeds at which the axis is judged.",
-        example='["0.5 mm/s", "2 mm/s", "5 mm/s"]', units=("m/s",), within=ABOVE, most=100,
-        otherwise="none", reason="the critical feed is told, without a verdict on a feed",
+    "drive.position": Key(
+        "on_table", "Where the position is measured: a scale on the table, or the motor's encoder.",
+        '"table"', choices=("table", "motor"), default='"table"', reason="a linear scale",
         in_example=True,
     ),
-    Key(
-        section="demand", name="acceleration", field="demand.acceleration",
-        meaning="Acceleration with which a feed is reached from rest; on a rigid drive the feed "
-        "acts at once.",
-        example='"0.1 m/s2"', units=("m/s2",), within=ABOVE, otherwise="not stated",
+    "drive.encoder": Key(
+        "resolution_motor",
+        "Resolution of the motor's encoder after interpolation: at the slide, or in counts/turn or "
+        "lines/turn (a line is four counts).", '"10 nm"', ("m", "1/turn"), ABOVE, otherwise="exact",
+        reason="counts are left out", in_example=True,
+    ),
+    "drive.scale": Key(
+        "resolution_table", "Resolution of the scale on the table.", '"0.1 um"', ("m",), ABOVE,
+        otherwise="exact", reason="counts are left out", in_example=True,
+    ),
+    "drive.velocity_feedforward": Key(
+        "velocity_feedforward", "Part of the commanded speed that is fed forward.", "1.0", NUMBER,
+        LEAST, default="1.0", reason="usual; it moves the following error, not the jumps",
+    ),
+    "drive.friction_feedforward": Key(
+        "friction_feedforward", "Force that is fed forward in the commanded direction.", '"736 N"',
+        FORCE, LEAST, default='"0 N"', reason="none is stated",
+    ),
+    "drive.dead_band": Key(
+        "dead_band", "Position error that the controller takes as none.", '"7 um"', ("m",), LEAST,
+        default='"0 um"', reason="none is stated",
+    ),
+    "drive.limit": Key(
+        "F_max", "The most that the motor gives: force at the slide, or torque.", '"12 kN"', FORCE,
+        ABOVE, otherwise="no limit",
+        reason="creeping and hunting stay far below the limit of a motor", in_example=True,
+    ),
+    "drive.rated_torque": Key(
+        "",
+        "Rated torque of the motor, to which a drive refers its percent. What it shows at a steady "
+        "feed is the friction of slide, nut and motor together.", '"11 N m"', ("N.m",), ABOVE,
+        optional=True,
+    ),
+    "drive.filter.kind": Key(
+        "", "A low pass, or a notch.", '"notch"', choices=("low pass", "notch"),
+    ),
+    "drive.filter.frequency": Key(
+        "", "Corner or notch frequency, below half the sampling frequency.", '"400 Hz"', ("Hz",),
+        ABOVE,
+    ),
+    "drive.filter.damping": Key(
+        "", "Damping ratio of the poles; of a low pass that has none: first order.", "0.7", NUMBER,
+        ABOVE, optional=True, excludes=("width",),
+    ),
+    "drive.filter.width": Key(
+        "", "Width of a notch between its -3 dB points, in place of its damping.", '"200 Hz"',
+        ("Hz",), ABOVE, optional=True, excludes=("damping",), goes_with=("kind", "notch"),
+    ),
+    "drive.filter.leaves": Key(
+        "", "What a notch leaves of its frequency; 0: nothing.", '"10 %"', NUMBER, PART,
+        default="0", reason="a full notch", goes_with=("kind", "notch"),
+    ),
+    "demand.feeds": Key(
+        "feeds", "Feeds at which the axis is judged.", '["0.5 mm/s", "2 mm/s", "5 mm/s"]', ("m/s",),
+        ABOVE, most=100, otherwise="none",
+        reason="the critical feed is told, without a verdict on a feed", in_example=True,
+    ),
+    "demand.acceleration": Key(
+        "acceleration",
+        "Acceleration with which a feed is reached from rest; on a rigid drive the feed acts at "
+        "once.", '"0.1 m/s2"', ("m/s2",), ABOVE, otherwise="not stated",
         reason="starts from rest are not judged", in_example=True,
     ),
-    Key(
-        section="demand", name="largest_jump", field="demand.largest_jump",
-        meaning="The largest jump that is allowed.",
-        example='"2 um"', units=("m",), within=ABOVE, otherwise="not stated",
-        reason="there is no limit to hold a jump against",
+    "demand.largest_jump": Key(
+        "largest_jump", "The largest jump that is allowed.", '"2 um"', ("m",), ABOVE,
+        otherwise="not stated", reason="there is no limit to hold a jump against",
     ),
-    Key(
-        section="demand", name="largest_error", field="demand.largest_error",
-        meaning="The largest error at rest that is allowed.",
-        example='"5 um"', units=("m",), within=ABOVE, otherwise="not stated",
-        reason="there is no limit to hold an error against",
+    "demand.largest_error": Key(
+        "largest_error", "The largest error at rest that is allowed.", '"5 um"', ("m",), ABOVE,
+        otherwise="not stated", reason="there is no limit to hold an error against",
     ),
-)  # fmt: skip
-"""The keys, in the order of the template."""
+}  # fmt: skip
 
-BY_PATH: Final = {key.path: key for key in KEYS}
+KEYS: Final = {
+    path: replace(key, section=section, name=name)
+    for path, key in _KEYS.items()
+    for section, _, name in [path.rpartition(".")]
+}
+"""The keys by path, in the order of the template."""
 BY_SECTION: Final = {
-    section.name: {key.name: key for key in KEYS if key.section == section.name}
-    for section in SECTIONS
+    name: {key.name: key for key in KEYS.values() if key.section == name} for name in SECTIONS
 }
 
-NOT_YET: Final = ("linear motor", "rack")
-"""Kinds of drives that are known and not yet computed."""
+
+def key_of(path: str) -> Key:
+    """Return the key of a name in a file, such as ``drive.filter[1].frequency``."""
+    return KEYS[re.sub(r"\[\d+\]", "", path)]

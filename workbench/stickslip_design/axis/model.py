@@ -20,23 +20,16 @@ class Filter:
 
     ``low_pass`` and ``notch`` make one from what a drive's manual names. At rest it passes the
     force as it is.
-
-    Attributes
-    ----------
-    kind
-        "low pass" or "notch".
-    frequency
-        Corner or notch frequency [Hz].
-    damping
-        Damping ratio of the poles [-]; infinite for a low pass of first order.
-    depth
-        What a notch leaves of its frequency [-]; 0 of a low pass.
     """
 
     kind: str
+    """A "low pass" or a "notch"."""
     frequency: float
+    """Corner or notch frequency [Hz]."""
     damping: float
+    """Damping ratio of the poles [-]; infinite for a low pass of first order."""
     depth: float = 0.0
+    """What a notch leaves of its frequency [-]; 0 of a low pass."""
 
     def coefficients(self, T_s: float) -> tuple[float, float, float, float, float]:
         """Return b0, b1, b2, a1, a2 at a sample time [s].
@@ -72,28 +65,20 @@ def notch(frequency: float, damping: float, depth: float = 0.0) -> Filter:
 
 @dataclass(frozen=True, kw_only=True)
 class Friction:
-    """The friction of the guideway.
-
-    Attributes
-    ----------
-    mu_s, mu_k
-        Static and kinetic coefficient [-]; where forces were given, these over the normal force.
-    law
-        Name of a built-in friction law, "coulomb" or "stribeck".
-    own
-        The other parameters of the law by name, SI.
-    in_newtons
-        Whether it was stated as forces, which do not change with the mass.
-    capped
-        Whether the kinetic coefficient came above the static one, and was taken as that.
-    """
+    """The friction of the guideway."""
 
     mu_s: float
+    """Static coefficient [-]; where forces were given, these over the normal force."""
     mu_k: float
+    """Kinetic coefficient [-], as mu_s."""
     law: str = "coulomb"
+    """Name of a built-in friction law, "coulomb" or "stribeck"."""
     own: Mapping[str, float] = field(default_factory=lambda: MappingProxyType({}))
+    """The other parameters of the law by name, SI."""
     in_newtons: bool = False
+    """Whether it was stated as forces, which do not change with the mass."""
     capped: bool = False
+    """Whether the kinetic coefficient came above the static one, and was taken as that."""
 
     @property
     def is_curve(self) -> bool:
@@ -118,64 +103,44 @@ class Friction:
 
 @dataclass(frozen=True, kw_only=True)
 class Drive:
-    """A servo drive with a screw; SI, forces and positions at the slide.
-
-    Attributes
-    ----------
-    inertia
-        Inertia of motor, coupling and screw, seen at the slide [kg]: J (2 pi/pitch)^2.
-    d
-        Viscous friction of motor and nut [N.s/m].
-    dry
-        Dry friction of motor and nut [N].
-    K_v
-        Position gain [1/s].
-    bandwidth
-        Bandwidth of the velocity loop [rad/s]: its gain over the inertia.
-    T_n
-        Integral time of the velocity controller [s]; 0: no integral.
-    T_s
-        Sample time of the controller [s].
-    lag
-        Time constant of the current loop [s]; 0: none.
-    dead_time
-        Time from a sample to its force [s].
-    filters
-        Filters of the motor's force, in their order.
-    on_table
-        Whether the position is measured on the table, by a scale; else on the motor.
-    velocity_feedforward
-        Part of the commanded speed that is added to the velocity command [-].
-    friction_feedforward
-        Force that is added in the commanded direction [N].
-    dead_band
-        Position error that is taken as none [m].
-    F_max
-        Limit of the motor's force [N].
-    resolution_motor, resolution_table
-        Counts of encoder and scale [m]; 0: exact.
-    pitch
-        Way of the slide per turn of the motor [m].
-    """
+    """A servo drive with a screw; SI, forces and positions at the slide."""
 
     inertia: float
+    """Inertia of motor, coupling and screw, seen at the slide [kg]: J (2 pi/pitch)^2."""
     K_v: float
+    """Position gain [1/s]."""
     bandwidth: float
+    """Bandwidth of the velocity loop [rad/s]: its gain over the inertia."""
     T_n: float
+    """Integral time of the velocity controller [s]; 0: no integral."""
     T_s: float
+    """Sample time of the controller [s]."""
     d: float = 0.0
+    """Viscous friction of motor and nut [N.s/m]."""
     dry: float = 0.0
+    """Dry friction of motor and nut [N]."""
     lag: float = 0.0
+    """Time constant of the current loop [s]; 0: none."""
     dead_time: float = 0.0
+    """Time from a sample to its force [s]."""
     filters: tuple[Filter, ...] = ()
+    """Filters of the motor's force, in their order."""
     on_table: bool = True
+    """Whether the position is measured on the table, by a scale; else on the motor."""
     velocity_feedforward: float = 1.0
+    """Part of the commanded speed that is added to the velocity command [-]."""
     friction_feedforward: float = 0.0
+    """Force that is added in the commanded direction [N]."""
     dead_band: float = 0.0
+    """Position error that is taken as none [m]."""
     F_max: float = math.inf
+    """Limit of the motor's force [N]."""
     resolution_motor: float = 0.0
+    """Count of the encoder [m]; 0: exact."""
     resolution_table: float = 0.0
+    """Count of the scale [m]; 0: exact."""
     pitch: float = 0.01
+    """Way of the slide per turn of the motor [m]."""
 
     @property
     def K_p(self) -> float:  # noqa: N802 - the symbol of control engineers
@@ -185,86 +150,61 @@ class Drive:
 
 @dataclass(frozen=True, kw_only=True)
 class Demand:
-    """What is asked of an axis.
-
-    Attributes
-    ----------
-    feeds
-        Feeds at which it is judged [m/s], the slowest first.
-    acceleration
-        With which a feed is reached [m/s2]; None: not stated.
-    largest_jump, largest_error
-        The largest jump that is allowed, and the largest error at rest [m]; None: not stated.
-    """
+    """What is asked of an axis."""
 
     feeds: tuple[float, ...] = ()
+    """Feeds at which it is judged [m/s], the slowest first."""
     acceleration: float | None = None
+    """With which a feed is reached [m/s2]; None: not stated."""
     largest_jump: float | None = None
+    """The largest jump that is allowed [m]; None: not stated."""
     largest_error: float | None = None
+    """The largest error at rest that is allowed [m]; None: not stated."""
 
 
 class Assumed(NamedTuple):
-    """What an axis file does not state, and what was taken in its place.
-
-    Attributes
-    ----------
-    key
-        Name in the axis file, such as "drive.sample_time".
-    value
-        What was taken, as an engineer writes it.
-    reason
-        Why.
-    """
+    """What an axis file does not state, and what was taken in its place."""
 
     key: str
+    """Name in the axis file, such as "drive.sample_time"."""
     value: str
+    """What was taken, as an engineer writes it."""
     reason: str
+    """Why."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Axis:
-    """A feed axis; SI.
-
-    Attributes
-    ----------
-    name
-        How it is called.
-    m
-        Table and workpiece [kg].
-    k
-        Stiffness between drive and table [N/m]; of two positions of a screw the softer.
-    c
-        Viscous friction of the guideway [N.s/m].
-    g
-        Gravity that presses the table on its way [m/s2].
-    load
-        Force that presses beside the weight [N].
-    along
-        Constant force along the way [N].
-    friction, drive, demand
-        Its friction, its drive (None: rigid) and what is asked of it.
-    stiffest
-        Stiffness at the stiffest position [N/m].
-    spread
-        The ± of a number, by its name in the axis file such as "axis.mass", in the SI unit of what
-        is stated there. `AxisFile.changed` takes these names.
-    assumed
-        What the axis file does not state.
-    """
+    """A feed axis; SI."""
 
     name: str
+    """How it is called."""
     m: float
+    """Table and workpiece [kg]."""
     k: float
+    """Stiffness between drive and table [N/m]; of two positions of a screw the softer."""
     friction: Friction
+    """Its friction."""
     c: float = 0.0
+    """Viscous friction of the guideway [N.s/m]."""
     g: float = STANDARD_GRAVITY
+    """Gravity that presses the table on its way [m/s2]."""
     load: float = 0.0
+    """Force that presses beside the weight [N]."""
     along: float = 0.0
+    """Constant force along the way [N]."""
     drive: Drive | None = None
+    """Its drive; None: rigid."""
     demand: Demand = field(default_factory=Demand)
+    """What is asked of it."""
     stiffest: float | None = None
+    """Stiffness at the stiffest position [N/m]."""
     spread: Mapping[str, float] = field(default_factory=lambda: MappingProxyType({}))
+    """The ± of a number, by its name in the axis file such as "axis.mass", in the SI unit of what
+    is stated there. `AxisFile.changed` takes these names.
+    """
     assumed: tuple[Assumed, ...] = ()
+    """What the axis file does not state."""
 
     @property
     def normal_force(self) -> float:

@@ -23,13 +23,12 @@ import numpy as np
 from stickslip_ref import FloatOrArray
 
 from .build import Builder
-from .keys import BY_SECTION, KEYS, NOT_YET, SECTIONS, Key, Section
+from .keys import BY_SECTION, KEYS, SECTIONS, Section, key_of
 from .model import Axis
 from .refusal import AxisError
 from .values import Number, Value, as_written, values_of
 
-_SECTIONS: Final = {section.name: section for section in SECTIONS}
-_NAMES_OF_DRIVES: Final = {"J": "inertia", "K_p": "velocity_gain", "lead": "pitch"}
+_NAMES_OF_DRIVES: Final = {"j": "inertia", "k_p": "velocity_gain", "lead": "pitch"}
 """Names that catalogues and parameter lists of drives have for keys."""
 _DECIMAL_COMMA: Final = re.compile(r"=\s*-?\d+,\d")
 
@@ -93,8 +92,9 @@ class AxisFile:
         try:
             return builder.axis(capped=self._is_changed)
         except AxisError as error:
-            line = _line_of(self._text, error.key)
-            raise error.at(self.name, line, self._written.get(error.key, "")) from None
+            error.name, error.line = self.name, _line_of(self._text, error.key)
+            error.value = self._written.get(error.key, "")
+            raise
 
     def changed(self, numbers: Mapping[str, FloatOrArray]) -> AxisFile:
         """Return the file with other numbers; what else it states is held.
@@ -176,18 +176,20 @@ def axis_file_of(text: str, name: str = "axis.toml", folder: Path | None = None)
     try:
         data = tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:
-        raise _not_toml(str(error), name, text) from None
+        raise _not_toml(error, name, text) from None
     values: dict[str, Value] = {}
     written: dict[str, str] = {}
     sections: list[str] = []
     try:
-        for table, section, entries in _tables(data):
-            sections.append(table)
-            for key, path, value in _keys(table, section, entries):
+        for path, value in _stated(data, ""):
+            if value is None:
+                sections.append(path)
+            else:
                 written[path] = as_written(value)
-                values |= values_of(key, path, value)
+                values |= values_of(key_of(path), path, value)
     except AxisError as error:
-        raise error.at(name, _line_of(text, error.key)) from None
+        error.name, error.line = name, _line_of(text, error.key)
+        raise
     return AxisFile(name, values, tuple(sections), written, text, folder or Path())
 
 
@@ -201,87 +203,54 @@ def _line_of(text: str, path: str) -> int:
     return Lines(text).of(place) or max(1, len(text.splitlines()))
 
 
-def _not_toml(message: str, name: str, text: str) -> AxisError:
-    place = re.search(r" \(at (?:line (\d+), column \d+|end of document)\)$", message)
-    line = int(place[1]) if place and place[1] else max(1, len(text.splitlines()))
-    reason = message[: place.start()] if place else message
+def _not_toml(error: tomllib.TOMLDecodeError, name: str, text: str) -> AxisError:
+    from stickslip_verification.model.data_file import fault_of
+
+    line, reason = fault_of(error, text)
     remedy = 'a key stands once, and a text in quotes, such as mass = "500 kg"'
     if _DECIMAL_COMMA.search("".join(text.splitlines()[line - 1 : line])):
         remedy = "a number has a decimal point, such as mu_s = 0.2"
-    return AxisError(
-        f"is not TOML: {reason[:1].lower()}{reason[1:]}", name=name, line=line, remedy=remedy
-    )
+    reason = f"is not TOML: {reason[:1].lower()}{reason[1:]}"
+    return AxisError(reason, name=name, line=line, remedy=remedy)
 
 
-def _tables(data: Mapping[str, Any]) -> Iterator[tuple[str, Section, Mapping[str, Any]]]:
-    """Yield the tables of a file by their names, those of an array each with its number."""
-    tops = [name for name, section in _SECTIONS.items() if not section.is_array]
-    for name, table in data.items():
-        if name not in tops:
-            raise _unknown_section(name, table, tops)
-        if not isinstance(table, dict):
-            raise _no_table(_SECTIONS[name], name, table)
-        arrays = {f"{name}.{key}": key for key in table if f"{name}.{key}" in _SECTIONS}
-        own = {key: value for key, value in table.items() if key not in arrays.values()}
-        yield name, _SECTIONS[name], own
-        for path, key in arrays.items():
-            if not isinstance(table[key], list):
-                raise _no_table(_SECTIONS[path], path, table[key])
-            for place, each in enumerate(table[key], 1):
-                if not isinstance(each, dict):
-                    raise _no_table(_SECTIONS[path], f"{path}[{place}]", each)
-                yield f"{path}[{place}]", _SECTIONS[path], each
+def _stated(table: Any, path: str, section: Section | None = None) -> Iterator[tuple[str, Any]]:
+    """Yield the sections of a table by place, without value, and what its keys say."""
+    if section:
+        if not isinstance(table, dict) or section.is_array != path.endswith("]"):
+            remedy = f"write {section.header} on a line of its own, and its keys below"
+            raise AxisError("is no section", key=path, value=as_written(table), remedy=remedy)
+        yield path, None
+    for name, value in table.items():
+        place = f"{path}.{name}" if section else name
+        inner = SECTIONS.get(place)
+        if inner and inner.is_array and isinstance(value, list):
+            for number, each in enumerate(value, 1):
+                yield from _stated(each, f"{place}[{number}]", inner)
+        elif inner:
+            yield from _stated(value, place, inner)
+        elif section and name in BY_SECTION[section.name]:
+            yield place, value
+        else:
+            raise _unknown(place, name, section)
 
 
-def _keys(
-    table: str, section: Section, entries: Mapping[str, Any]
-) -> Iterator[tuple[Key, str, Any]]:
-    known = BY_SECTION[section.name]
-    for name, value in entries.items():
-        path = f"{table}.{name}"
-        if name not in known:
-            raise _unknown_key(section, path, name)
-        if path == "drive.kind" and isinstance(value, str) and value.lower() in NOT_YET:
-            raise AxisError(
-                "is not computed yet", key=path, value=as_written(value),
-                within=known[name].expected,
-                remedy='with kind = "rigid" the axis is judged without its loop',
-            )  # fmt: skip
-        yield known[name], path, value
-
-
-def _no_table(section: Section, path: str, value: Any) -> AxisError:
-    remedy = f"write {section.header} on a line of its own, and its keys below"
-    return AxisError("is no section", key=path, value=as_written(value), remedy=remedy)
-
-
-def _unknown_section(name: str, value: Any, known: list[str]) -> AxisError:
-    owner = next((key for key in KEYS if key.name == name), None)
-    headers = ", ".join(f"[{each}]" for each in known)
-    if not isinstance(value, dict) and owner:
-        remedy = f"write it below {_SECTIONS[owner.section].header}"
-        value = as_written(value)
-        return AxisError("stands outside a section", key=name, value=value, remedy=remedy)
-    near = get_close_matches(name, known, 1, 0.5)
-    remedy = f"[{near[0]}] is the nearest" if near else ""
-    return AxisError("is no section of an axis file", key=name, within=headers, remedy=remedy)
-
-
-def _unknown_key(section: Section, path: str, name: str) -> AxisError:
-    known = BY_SECTION[section.name]
-    symbols = {key.symbol: each for each, key in known.items()}
-    if section.name == "drive":
-        symbols |= _NAMES_OF_DRIVES
-    lower = {each.lower(): each for each in (*known, *symbols)}
-    near = get_close_matches(name.lower(), lower, 3, 0.6)
-    names = [symbols.get(lower[each], lower[each]) for each in near]
-    if name in symbols:
-        names = [symbols[name]]
-    elsewhere = [key for key in KEYS if key.name == name and key.section != section.name]
-    if elsewhere:
-        remedy = f"{name} stands in {_SECTIONS[elsewhere[0].section].header}"
-    elif names:
-        remedy = f"nearest: {', '.join(dict.fromkeys(names))}"
+def _unknown(path: str, name: str, section: Section | None) -> AxisError:
+    if section:
+        known = BY_SECTION[section.name].values()
+        names = {each.lower(): key.name for key in known for each in (key.symbol, key.name)}
+        names |= _NAMES_OF_DRIVES if section.name == "drive" else {}
     else:
-        remedy = f"{section.header} has {', '.join(known)}"
-    return AxisError("is an unknown key", key=path, remedy=remedy)
+        names = {each.name: each.header for each in SECTIONS.values() if not each.is_array}
+    most = 1 if name.lower() in names else 3
+    near = [names[each] for each in get_close_matches(name.lower(), names, most, 0.6)]
+    others = [SECTIONS[key.section].header for key in KEYS.values() if key.name == name]
+    if others:
+        remedy = f"{name} stands in {others[0]}"
+    elif near:
+        remedy = f"nearest: {', '.join(dict.fromkeys(near))}"
+    else:
+        remedy = f"there are {', '.join(dict.fromkeys(names.values()))}"
+    outside = "stands outside a section" if others else "is no section of an axis file"
+    reason = "is an unknown key" if section else outside
+    return AxisError(reason, key=path, remedy=remedy)

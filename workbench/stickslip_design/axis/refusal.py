@@ -2,50 +2,35 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 
+
+@dataclass(eq=False, repr=False)
 class AxisError(ValueError):
     """An axis file cannot be used.
 
     The message is one line: file, line, key, value and reason, range, remedy.
-
-    Attributes
-    ----------
-    reason
-        What is wrong.
-    key
-        Name in the file, such as ``axis.mass``; empty where no key is meant.
-    value
-        What stands there, as it is written; empty where nothing does.
-    within
-        What is allowed there, in words.
-    remedy
-        What to do.
-    line
-        Number of the line, from 1; 0 where the file cannot be read at all.
     """
 
-    def __init__(
-        self,
-        reason: str,
-        *,
-        key: str = "",
-        value: str = "",
-        within: str = "",
-        remedy: str = "",
-        name: str = "",
-        line: int = 0,
-    ) -> None:
-        self.reason, self.key, self.value = reason, key, value
-        self.within, self.remedy, self.line = within, remedy, line
-        place = f"{name}: line {line}: " if line else f"{name}: " if name else ""
-        subject = " = ".join(part for part in (key, value) if part)
-        first = f"{place}{subject} {reason}" if subject else f"{place}{reason}"
-        expected = f"expected {within}" if within else ""
-        super().__init__("; ".join(part for part in (first, expected, remedy) if part))
+    reason: str
+    """What is wrong."""
+    key: str = ""
+    """Name in the file, such as ``axis.mass``; empty where no key is meant."""
+    value: str = ""
+    """What stands there, as it is written; empty where nothing does."""
+    within: str = ""
+    """What is allowed there, in words."""
+    remedy: str = ""
+    """What to do."""
+    name: str = ""
+    """The file."""
+    line: int = 0
+    """Number of the line, from 1; 0 where the file cannot be read at all."""
 
-    def at(self, name: str, line: int, value: str = "") -> AxisError:
-        """Return the error with the name of its file, its line and what is written there."""
-        return AxisError(
-            self.reason, key=self.key, value=self.value or value, within=self.within,
-            remedy=self.remedy, name=name, line=line,
-        )  # fmt: skip
+    def __str__(self) -> str:
+        line = f"line {self.line}" if self.line else ""
+        subject = " = ".join(filter(None, (self.key, self.value)))
+        what = f"{subject} {self.reason}".lstrip()
+        first = ": ".join(filter(None, (self.name, line, what)))
+        expected = f"expected {self.within}" if self.within else ""
+        return "; ".join(filter(None, (first, expected, self.remedy)))

@@ -4,10 +4,9 @@ from __future__ import annotations
 
 import re
 import textwrap
-from collections.abc import Iterator
 from typing import Final
 
-from .keys import ANY, BY_SECTION, SECTIONS, Key, Section
+from .keys import BY_SECTION, SECTIONS, Key
 
 _WIDTH: Final = 100
 _NO_BREAK: Final = "\0"
@@ -23,53 +22,39 @@ _HOW: Final = (
 
 def template() -> str:
     """Return an axis file with all keys; those that may be left out are commented out."""
-    return "\n".join((*_comment(_HEAD + _HOW), *_sections(), ""))
+    lines = _comment(_HEAD + _HOW)
+    for section in SECTIONS.values():
+        mark = "# " if section.is_array else ""
+        without = f" Without it: {section.otherwise}." if section.otherwise else ""
+        lines += ["", *_comment(section.meaning + without), f"{mark}{section.header}"]
+        for key in BY_SECTION[section.name].values():
+            # What stands in place of another key would be refused beside it.
+            is_stated = key.required and (key.in_example or not (key.unless or key.goes_with))
+            line = f"{mark if is_stated else '# '}{key.name} = {key.example}"
+            lines += [*_comment(told(key)), line]
+    return "\n".join((*lines, ""))
 
 
 def example() -> str:
     """Return the axis file of the axis of docs/feed-axis.md."""
-    lines = list(_comment(_HEAD))
-    for section in SECTIONS:
+    lines = _comment(_HEAD)
+    for section in SECTIONS.values():
         keys = [key for key in BY_SECTION[section.name].values() if key.in_example]
         if keys:
             lines += ["", section.header, *(f"{key.name} = {key.example}" for key in keys)]
     return "\n".join((*lines, ""))
 
 
-def _sections() -> Iterator[str]:
-    for section in SECTIONS:
-        yield ""
-        yield from _comment(_about(section))
-        mark = "# " if section.is_array else ""
-        yield f"{mark}{section.header}"
-        for key in BY_SECTION[section.name].values():
-            yield from _comment(told(key))
-            # What stands in place of another key would be refused beside it.
-            is_stated = key.required and (key.in_example or not (key.unless or key.goes_with))
-            yield f"{mark if is_stated else '# '}{key.name} = {key.example}"
-
-
-def _about(section: Section) -> str:
-    if section.required:
-        return section.meaning
-    return f"{section.meaning} Without it: {section.otherwise}."
-
-
 def told(key: Key) -> str:
     """Return in a line what a key means, its range, and what is taken where it is not stated."""
-    choices = ", ".join(f'"{choice}"' for choice in key.choices)
-    within = "" if key.within == ANY else str(key.within)
-    marks = ", ".join(filter(None, (choices, within, "±" if key.spread else "")))
-    text = f"{key.meaning}{f' [{marks}]' if marks else ''}"
-    if key.goes_with:
-        text += f" With {key.needs} only."
-    if key.taken:
-        text += f" Without it: {key.taken}{f', {key.reason}' if key.reason else ''}."
-    return text
+    marks = f" [{', '.join(key.marks())}]" if key.marks() else ""
+    needs = f" With {key.needs} only." if key.goes_with else ""
+    taken = ", ".join(filter(None, (key.taken, key.reason)))
+    return f"{key.meaning}{marks}{needs}" + (f" Without it: {taken}." if taken else "")
 
 
-def _comment(text: str) -> Iterator[str]:
+def _comment(text: str) -> list[str]:
     # What stands in quotes stays on a line.
     kept = re.sub(r'"[^"]*"', lambda quoted: quoted[0].replace(" ", _NO_BREAK), text)
-    for line in textwrap.wrap(kept, _WIDTH - 2, break_long_words=False, break_on_hyphens=False):
-        yield f"# {line.replace(_NO_BREAK, ' ')}"
+    lines = textwrap.wrap(kept, _WIDTH - 2, break_long_words=False, break_on_hyphens=False)
+    return [f"# {line.replace(_NO_BREAK, ' ')}" for line in lines]

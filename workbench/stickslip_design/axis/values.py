@@ -10,7 +10,6 @@ from typing import Any, Final, NamedTuple
 
 from ..quantity import QuantityError, parts_of
 from .keys import UNITS, Key
-from .refusal import AxisError
 
 
 class Number(NamedTuple):
@@ -29,43 +28,16 @@ _SPREAD: Final = re.compile(r"±|\+/-|\+-")
 
 
 def values_of(key: Key, path: str, written: Any) -> dict[str, Value]:
-    """Read what stands at a key.
+    """Read what TOML says that stands at a path: by name the value.
 
-    Parameters
-    ----------
-    key
-        The key.
-    path
-        Its name in the file.
-    written
-        What TOML says that stands there.
-
-    Returns
-    -------
-    dict
-        By name the value, the values of a list as ``demand.feeds[1]`` and so on.
-
-    Raises
-    ------
-    AxisError
-        If that is not allowed there.
+    The values of a list are ``demand.feeds[1]`` and so on. AxisError if they are not allowed there.
     """
-    if isinstance(written, list) and key.most > 1:
-        if not 1 <= len(written) <= key.most:
-            raise refused(key, path, written, f"has {len(written)} values")
-        return {
-            f"{path}[{place}]": _value(key, f"{path}[{place}]", each)
-            for place, each in enumerate(written, 1)
-        }
-    return {path: _value(key, path, written)}
-
-
-def refused(key: Key, path: str, written: Any, reason: str, remedy: str = "") -> AxisError:
-    """Return the refusal of what is written at a key."""
-    return AxisError(
-        reason, key=path, value=as_written(written), within=key.expected,
-        remedy=remedy or f"write such as {key.name} = {key.example}",
-    )  # fmt: skip
+    if not (isinstance(written, list) and key.most > 1):
+        return {path: _value(key, path, written)}
+    if not 1 <= len(written) <= key.most:
+        raise key.refusal(path, f"has {len(written)} values", as_written(written))
+    places = {f"{path}[{place}]": each for place, each in enumerate(written, 1)}
+    return {place: _value(key, place, each) for place, each in places.items()}
 
 
 def as_written(value: Any) -> str:
@@ -77,33 +49,37 @@ def as_written(value: Any) -> str:
 
 
 def _value(key: Key, path: str, written: Any) -> Value:
+    shown, remedy = as_written(written), ""
     if key.units:
         return _number(key, path, written)
     if not isinstance(written, str) or not written.strip():
-        raise refused(key, path, written, "is not a text")
+        raise key.refusal(path, "is not a text", shown)
+    if path == "drive.kind" and written.lower() in {"linear motor", "rack"}:
+        remedy = 'with kind = "rigid" the axis is judged without its loop'
+        raise key.refusal(path, "is not computed yet", shown, remedy)
     if key.choices and written not in key.choices:
-        near = get_close_matches(written.lower(), key.choices, 1, 0.5)
-        remedy = f'"{near[0]}" is the nearest' if near else ""
-        raise refused(key, path, written, "is none of the choices", remedy)
+        for near in get_close_matches(written.lower(), key.choices, 1, 0.5):
+            remedy = f'"{near}" is the nearest'
+        raise key.refusal(path, "is none of the choices", shown, remedy)
     return written
 
 
 def _number(key: Key, path: str, written: Any) -> Number:
+    shown = as_written(written)
     if isinstance(written, bool) or not isinstance(written, int | float | str):
-        raise refused(key, path, written, "is not a number with a unit")
+        raise key.refusal(path, "is not a number with a unit", shown)
     if not isinstance(written, str) and key.bare is None:
         unit = parts_of(key.example.split('"')[1])[1]
         remedy = f'write the unit, such as {key.name} = "{written} {unit}"'
-        raise refused(key, path, written, "has no unit", remedy)
-    text = written if isinstance(written, str) else repr(written)
+        raise key.refusal(path, "has no unit", shown, remedy)
     try:
-        number = _with_spread(key, text)
+        number = _with_spread(key, written if isinstance(written, str) else repr(written))
     except QuantityError as error:
-        raise refused(key, path, written, str(error)) from None
-    for value in (number.value, number.value - number.spread, number.value + number.spread):
-        if value not in key.within:
-            where = "is out of range" if value == number.value else "is out of range with its ±"
-            raise refused(key, path, written, where)
+        raise key.refusal(path, str(error), shown) from None
+    if number.value not in key.within:
+        raise key.refusal(path, "is out of range", shown)
+    if not all(number.value + side * number.spread in key.within for side in (-1.0, 1.0)):
+        raise key.refusal(path, "is out of range with its ±", shown)
     return number
 
 

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from fmi.table import Variable
 
 from ..axis import AxisFile, Number
-from ..axis.build import key_of
+from ..axis.keys import key_of
 from ..points.axes import axis_points, check, read_number
 from ..points.axes import has_closed_form as axis_has_closed_form
 from ..points.blocks import WITHOUT_INFLUENCE, block_points, has_closed_form, table_of_law

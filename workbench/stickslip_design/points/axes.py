@@ -19,8 +19,7 @@ from numpy.typing import ArrayLike, NDArray
 from stickslip_ref import coulomb_limit, critical_velocity, steady_cycle
 
 from ..axis import Axis, AxisError, AxisFile, Number
-from ..axis.build import key_of
-from ..axis.keys import UNITS
+from ..axis.keys import UNITS, key_of
 from ..critical import jumps_of, kind_beside, limits_of
 from ..loop.jumps import limit_of_jumps
 from ..loop.stability import is_stable

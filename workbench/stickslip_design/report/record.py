@@ -25,7 +25,7 @@ ABOUT: Final = (
 )
 
 UNITS: Final = {
-    **{key.symbol: key.units[0] for key in KEYS if key.units and key.symbol.isidentifier()},
+    **{key.symbol: key.units[0] for key in KEYS.values() if key.units and key.symbol},
     "feed": "m/s",
     "margin": "1",
     "jump": "m",

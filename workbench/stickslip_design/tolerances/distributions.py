@@ -26,8 +26,7 @@ from numpy.typing import NDArray
 from scipy.special import ndtr, ndtri
 
 from ..axis import AxisError, AxisFile, Number
-from ..axis.build import key_of
-from ..axis.keys import UNITS
+from ..axis.keys import UNITS, key_of
 from ..points.axes import check, read_number
 from ..quantity import QuantityError, parts_of
 

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from typing import Final
 
 from ..axis import AxisFile
-from ..axis.keys import BY_PATH, UNITS
+from ..axis.keys import KEYS, UNITS
 from ..points.axes import has_closed_form
 from ..quantity import QuantityError
 from .distributions import SpreadIs, range_of, varying
@@ -105,7 +105,7 @@ def _feed(written: float | str) -> float:
         value = UNITS.read(written, (kind,), None)[0] if isinstance(written, str) else written
     except QuantityError as error:
         raise ValueError(f"feed {written} {error}; expected {kind.expected('above 0')}") from None
-    if value not in BY_PATH["demand.feeds"].within:
+    if value not in KEYS["demand.feeds"].within:
         raise ValueError(f"feed {written} is out of range; it must be above 0")
     return float(value)
 
