@@ -74,6 +74,7 @@ def test_friction_in_newtons_stays_when_the_mass_changes_so_that_less_mass_is_no
     assert critical_feed(lighter) > critical_feed(axis)
 
 
+@pytest.mark.gate
 def test_at_a_cure_of_a_servo_axis_its_jumps_end_and_a_hundredth_before_they_do_not(
     servo: Verdict,
 ) -> None:

@@ -10,6 +10,7 @@ from stickslip_verification.suite.cases import CASES_FOLDER
 from stickslip_verification.suite.faults import FAULTS_FOLDER
 
 
+@pytest.mark.gate
 @pytest.mark.parametrize(
     ("foretold", "code", "words"),
     [

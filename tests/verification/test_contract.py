@@ -127,6 +127,7 @@ def test_start_values_are_promised_by_the_exact_contract_alone(
         assert verdict.passed is passes
 
 
+@pytest.mark.gate
 def test_faults_are_planted_where_the_source_is(silent: Path) -> None:
     faults, case = load_mutants("constant-g"), [named("default")]
     verdict = verify(silent, case, mutants=faults, contract="exact", long_probes=False, jobs=1)

@@ -109,6 +109,7 @@ def test_a_fault_is_detected_by_a_foretold_check_or_survives_with_the_reason(
     assert broken in (row.broken or "")
 
 
+@pytest.mark.gate
 def test_a_foreign_fmu_carries_faults_in_its_calls_alone() -> None:
     mutants = [fault(name) for name in ("unit-force-in-kgf", "output-x-pull-lags", "constant-g")]
     judged: dict[str, Any] = {"contract": PHYSICS_CONTRACT, "names": SLIDER.names}

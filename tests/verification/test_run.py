@@ -132,6 +132,7 @@ def test_an_fmu_that_fails_takes_only_its_case_with_it() -> None:
     assert not verdict.passed
 
 
+@pytest.mark.gate
 def test_a_numerical_solution_that_crashes_fails_where_it_did() -> None:
     verdict = judged(misbehaving("crash"), "grazing", "heavy")
     ends = {r.case: r.failure or "" for r in verdict.checks if r.check == "any-sequence"}
@@ -147,7 +148,7 @@ OF_CONVENTION = (
 zero and equal forces: where conventions and rounding might decide."""
 
 OTHERS = {fmu.name: fmu for fmu in (RENAMED, FEW, RUNGE_KUTTA)}
-MARKS = {"RungeKutta": pytest.mark.soak, "Few": pytest.mark.gate}
+MARKS = {"RungeKutta": pytest.mark.soak, **dict.fromkeys(("Few", "Renamed"), pytest.mark.gate)}
 
 
 @pytest.mark.parametrize("name", [pytest.param(each, marks=MARKS.get(each, ())) for each in OTHERS])

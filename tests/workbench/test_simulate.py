@@ -228,6 +228,7 @@ def test_a_fault_of_ours_is_not_wrong_use(
     assert re.fullmatch(r"stickslip: internal error.*\n", answer.err)
 
 
+@pytest.mark.gate
 def test_bounds_of_the_critical_search_are_those_typed_or_hold_the_velocity(
     command: Command,
 ) -> None:

@@ -103,6 +103,7 @@ def test_a_scatter_says_how_many_jump_at_each_feed_and_why(
     assert sorted(file.name for file in tmp_path.iterdir()) == ["axis.toml", "plan.toml"]
 
 
+@pytest.mark.gate
 @needs("studies")
 def test_a_scatter_writes_page_picture_machines_and_summary_once(command: Command) -> None:
     typed = ("scatter", "axis.toml", "-o", "out", "--samples", "400", "--indices", "64",
