@@ -191,7 +191,7 @@ REFUSALS = [
     ('mass = "1e-300 kg"\nstiffness = "1e300 N/m"', 1, "numbers that do not go together"),
     (f'{FILTER}"low pass"\nfrequency = "2 kHz"', 16, "expected below 2000 Hz, half the sampling"),
     ("[drives]", 14, "drives is no section of an axis file; nearest: [drive]"),
-    ("feed = 1", 14, "demand.feed is an unknown key; nearest: feeds"),
+    ("feed = 1", 14, "demand.feed = 1 is an unknown key; nearest: feeds"),
     ("[friction]\nmu_s = 0,2\n", 2, "a number has a decimal point, such as mu_s = 0.2"),
 ]
 

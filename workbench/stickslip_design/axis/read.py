@@ -35,19 +35,12 @@ _DECIMAL_COMMA: Final = re.compile(r"=\s*-?\d+,\d")
 
 @dataclass(frozen=True)
 class AxisFile:
-    """What an axis file states.
-
-    Attributes
-    ----------
-    name
-        Name of the file, for refusals.
-    values
-        The numbers and texts by name: ``axis.mass``, ``axis.stiffness[1]`` of a list,
-        ``drive.filter[1].frequency``.
-    """
+    """What an axis file states."""
 
     name: str
+    """Name of the file, for refusals."""
     values: Mapping[str, Value]
+    """Numbers and texts: ``axis.mass``, ``axis.stiffness[1]``, ``drive.filter[1].frequency``."""
     _sections: tuple[str, ...]
     _written: Mapping[str, str]
     _text: str
@@ -232,13 +225,14 @@ def _stated(table: Any, path: str, section: Section | None = None) -> Iterator[t
         elif section and name in BY_SECTION[section.name]:
             yield place, value
         else:
-            raise _unknown(place, name, section)
+            raise _unknown(place, name, value, section)
 
 
-def _unknown(path: str, name: str, section: Section | None) -> AxisError:
+def _unknown(path: str, name: str, value: Any, section: Section | None) -> AxisError:
     if section:
         known = BY_SECTION[section.name].values()
-        names = {each.lower(): key.name for key in known for each in (key.symbol, key.name)}
+        names = {(key.symbol or key.name).lower(): key.name for key in known}
+        names |= {key.name.lower(): key.name for key in known}
         names |= _NAMES_OF_DRIVES if section.name == "drive" else {}
     else:
         names = {each.name: each.header for each in SECTIONS.values() if not each.is_array}
@@ -253,4 +247,5 @@ def _unknown(path: str, name: str, section: Section | None) -> AxisError:
         remedy = f"there are {', '.join(dict.fromkeys(names.values()))}"
     outside = "stands outside a section" if others else "is no section of an axis file"
     reason = "is an unknown key" if section else outside
-    return AxisError(reason, key=path, remedy=remedy)
+    shown = "" if isinstance(value, dict) else as_written(value)
+    return AxisError(reason, key=path, value=shown, remedy=remedy)
