@@ -220,10 +220,8 @@ def verdict(folder: Path, reports: Iterable[str]) -> Iterator[str]:
     counts = sum((Counter(result["summary"]) for result in results), Counter[str]())
     of_all = [check for result in results for check in result["checks"]]
     drawn = [check for check in of_all if check["case"].startswith(SEQUENCE)]
-    random = sum(
-        len({check["case"] for check in result["checks"] if check["case"].startswith(SEQUENCE)})
-        for result in results
-    )
+    cases_of = ({check["case"] for check in result["checks"]} for result in results)
+    random = sum(case.startswith(SEQUENCE) for of in cases_of for case in of)
     yield from f"""\
 # The verdict
 

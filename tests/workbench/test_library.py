@@ -11,6 +11,8 @@ import numpy as np
 import pytest
 
 import stickslip as ss
+from stickslip import judgements
+from stickslip.results import Shown
 from tests.needs import needs
 from tests.python import python
 
@@ -82,7 +84,7 @@ def test_a_result_shows_itself_in_few_lines_and_prints_nothing(
 def shows_itself(result: Any) -> None:
     assert 0 < len(repr(result).splitlines()) <= 12
     assert len(repr(result)) < 1000
-    if isinstance(result, ss.library.Shown):
+    if isinstance(result, Shown):
         assert "<pre>" in result._repr_html_()
         json.loads(result.to_json())
         drawn = result.plot()
@@ -107,7 +109,7 @@ def test_a_run_and_a_map_carry_their_units() -> None:
 
 def test_an_axis_of_a_dictionary_is_that_of_the_file(tmp_path: Path) -> None:
     file = tmp_path / "axis.toml"
-    file.write_text("\n".join(ss.library._toml(AXIS)), encoding="utf-8")
+    file.write_text("\n".join(judgements._toml(AXIS)), encoding="utf-8")
     found = ss.design(AXIS)
     assert found.verdict.sentence == ss.design(file).verdict.sentence
     assert found.report(tmp_path / "axis.html").read_bytes().startswith(b"<!doctype html>")
@@ -130,7 +132,7 @@ def test_an_fmu_is_built_verified_and_reported(tmp_path: Path) -> None:
 @pytest.mark.gate
 @needs("studies")
 def test_the_script_of_the_readme_does_what_its_commands_do(tmp_path: Path) -> None:
-    (tmp_path / "axis.toml").write_text("\n".join(ss.library._toml(AXIS)), encoding="utf-8")
+    (tmp_path / "axis.toml").write_text("\n".join(judgements._toml(AXIS)), encoding="utf-8")
     tour = Path(__file__).parents[2] / "examples" / "tour.py"
     head, *lines = tour.read_text(encoding="utf-8").partition('__main__":\n')[2].splitlines()
     readme = (tour.parents[1] / "README.md").read_text(encoding="utf-8")
@@ -143,7 +145,7 @@ def test_the_script_of_the_readme_does_what_its_commands_do(tmp_path: Path) -> N
 
 
 def test_a_dash_is_standard_input_and_standard_output(tmp_path: Path) -> None:
-    text = "\n".join(ss.library._toml(AXIS))
+    text = "\n".join(judgements._toml(AXIS))
     words = ("-m", "stickslip", "design", "-", "-o", "axis.html", "--json", "-")
     done = python(*words, cwd=tmp_path, input=text)
     assert json.loads(done.stdout.partition("\n}\n")[0] + "}")["format"] == 2

@@ -1,16 +1,16 @@
-from .library import CurveVerdict as CurveVerdict
+from .judgements import CurveVerdict as CurveVerdict
+from .judgements import Design as Design
+from .judgements import FmuVerdict as FmuVerdict
+from .judgements import design as design
+from .judgements import score as score
+from .judgements import verify as verify
 from .library import Cycle as Cycle
-from .library import Design as Design
-from .library import FmuVerdict as FmuVerdict
 from .library import Limits as Limits
 from .library import Run as Run
 from .library import build as build
 from .library import critical as critical
 from .library import cycle as cycle
-from .library import design as design
-from .library import score as score
 from .library import simulate as simulate
-from .library import verify as verify
 from .parameters import ParameterError as ParameterError
 from .parameters import Parameters as Parameters
 from .studies import map as map  # noqa: A004 - the name of the command

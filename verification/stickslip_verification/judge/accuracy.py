@@ -487,10 +487,9 @@ def _by_area(case: Case, ruler: Ruler, run: Run, name: str) -> tuple[float, floa
             / (ruler.band.largest(each) or 1.0)
             for each in outputs
         ]
-        return float(np.mean(parts)) if read.size else 0.0
+        return float(np.mean(parts)) if outputs and read.size else 0.0
 
-    part = 0.0
-    whole = apart(run, exact)
+    part, whole = 0.0, apart(run, exact)
     if not 0.0 < whole < np.inf:
         return None
     try:

@@ -317,6 +317,7 @@ def questions(
     plain = {case: of.run for case, of in solved.plain.items()}
     middle = float(np.median([of.motion.delta for of in solved.plain.values()] or [0.0]))
     wrong = wrong_parameter(rulers, plain, changes)
+    # So near to the exact motion an FMU has no parameter that is so far off.
     if wrong is None and middle > LARGE / STANDS_OUT:
         cases = [of.case for of in solved.plain.values()]
         wrong = large_offset(rulers, plain, cases, changes)

@@ -88,7 +88,7 @@ def build(
 
 
 def _verdict(fmu: Path) -> "Verdict":
-    from stickslip.library import verify
+    from stickslip.judgements import verify
 
     with long_work("Verifying the default experiment") as progress:
         return verify(fmu, cases=_CASE, progress=progress).verdict

@@ -63,7 +63,7 @@ def design(
 
 def _study(file: Path, report: Path, json: Path | None) -> None:
     from stickslip.files import check_writable, writing
-    from stickslip.library import design as designed
+    from stickslip.judgements import design as designed
     from stickslip.progress import Meter
 
     targets = {report: "--output"} | ({} if json is None else {json: "--json"})

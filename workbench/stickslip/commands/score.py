@@ -32,7 +32,7 @@ def score(
     json: Annotated[bool, typer.Option("--json", help="Print JSON for machines.")] = False,
 ) -> None:
     """Compare a curve from any tool with the exact cycle, and say why it differs."""
-    from stickslip.library import score as scored
+    from stickslip.judgements import score as scored
 
     found = scored(curve, p, time=time, x=x, x_dot=x_dot, force=force)
     if json:

@@ -23,7 +23,7 @@ from stickslip.commands.shared import (
 from stickslip.errors import CommandError
 
 if TYPE_CHECKING:
-    from stickslip.library import FmuVerdict
+    from stickslip.judgements import FmuVerdict
     from stickslip_verification import Limits
 
 DEFAULT_REPORT = Path("report")
@@ -125,22 +125,22 @@ def verify(
     ] = DEFAULT_REPORT,
 ) -> None:
     """Check an FMU and the reference against the truth; exit 0 if all checks pass, else 1."""
-    from stickslip import library
+    from stickslip import judgements
     from stickslip.show import verdict_table as tables
 
     if list_:
-        console().print(tables.case_table(library.load_cases(cases)))
+        console().print(tables.case_table(judgements.load_cases(cases)))
         return
     _check(fmu, law, names)
     _check_contract(contract, strict, pack)
     limits = _limits(time_limit, budget, memory)
     _check_pack(pack, fmu, names, cases)
-    library.load_cases(cases)
-    library.share(within)
+    judgements.load_cases(cases)
+    judgements.share(within)
     _check_targets(output)
     fmu = fmu or current_fmu(law)
     with long_work("Verifying") as progress:
-        found = library.verify(
+        found = judgements.verify(
             fmu,
             cases=cases,
             names=names,
