@@ -315,6 +315,15 @@ def test_a_slider_as_people_write_it_is_told_what_it_is(fault: str, right: bool,
     assert verdict.passed is right
 
 
+@pytest.mark.gate
+def test_an_fmu_whose_static_friction_is_high_alike_in_all_cases_is_not_right() -> None:
+    fmu = plain("PlainHigh", step=1e-3, fault="static friction high")
+    model, accuracy, *_ = judged(fmu, *USED, within=0.2).questions
+    assert not model.good
+    assert model.answer.startswith("The model is wrong: mu_s acts as if it were 1 % larger")
+    assert accuracy.answer.startswith("With that mu_s jump within ")
+
+
 @pytest.mark.parametrize(("fault", "said"), [("", []), ("ages", ["after 28 s the spring is"])])
 def test_a_block_that_ages_is_found(fault: str, said: list[str]) -> None:
     fmu = plain(f"Long{fault.title()}", step=1e-3, fault=fault).opened()

@@ -10,7 +10,7 @@ cases (`matched`): where one is `STANDS_OUT` times what they are, the FMU solves
 import math
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, partial
 from typing import Final
 
 import numpy as np
@@ -164,11 +164,14 @@ REPEATS: Final = 0.25
 parameters off by 0.1 to 1 % in an accurate one: below 0.18 (measured)."""
 LEFT: Final = 0.4  # what an offset may leave of the deviation in the middle case
 _ENOUGH: Final = 5  # fewest cases that an offset is taken from
-LARGE: Final = 0.01  # offset from which on motions are compared, as they are not linear in it
-_BRACKETS: Final = (0.15, 0.05, 0.02)  # half widths of what is searched for a large offset
+LARGE: Final = 0.005  # offset from which on motions are compared, as they are not linear in it
+_OFFSETS: Final = tuple(s * part for part in (0.015, 0.03, 0.05, 0.07, 0.1, 0.15) for s in (-1, 1))
+_FINER: Final = (0.02, 0.01, 0.005, 0.0025, 0.001)
+"""Large offsets that are tried first, and steps from the best of them."""
+_PROMISING: Final = 0.8  # what the best of `_OFFSETS` may leave for its parameter to be looked at
 _SLIPS: Final = 3  # that are compared then: more of them are out of step
-_SHORTEST: Final = 16  # cases that are compared then
-_EXPLAINED: Final = 0.6  # part of the cases that a large offset has to explain
+_POINTS: Final = 20  # fewest of a run in these slips
+_SHORTEST: Final = 12  # cases that are compared then
 _NEAR: Final = 6
 """Points count that are not saturated at this one of `OFF`: there the motion is nearly linear."""
 _MOVES: Final = 1e-3
@@ -451,52 +454,70 @@ def large_offset(
 ) -> WrongParameter | None:
     """Return the parameter that is off by `LARGE` or more and explains the runs, if there is one.
 
-    In the first slips the area between two such motions is nearly linear in the offset, which
-    their distance at a point is not. ``names`` are the parameters that matter, by case. It takes
-    hundreds of exact motions, so only cases of Coulomb's law count, whose motions are quick.
+    The motion with the same offset in all cases has to leave little of the area between a run and
+    the exact motion; it is looked for among a few offsets, and from the best of them. ``names`` are
+    the parameters that matter, by case. It takes hundreds of exact motions, so only cases of
+    Coulomb's law count, whose motions are quick.
     """
-    quick = [each for each in cases if each.law == COULOMB_NAME]
-    moving = [each for each in quick if rulers[each.id].exact.facts.slips >= _SLIPS - 1]
-    shortest = sorted(moving, key=lambda case: len(case.steps))[:_SHORTEST]
-    if len(shortest) < _ENOUGH:
-        return None
-    found = []
+    quick = sorted(cases, key=lambda case: len(case.steps))
+    areas = [_Area(of, rulers[of.id], runs[of.id]) for of in quick if of.law == COULOMB_NAME]
+    usable = [area for area in areas if area.usable][:_SHORTEST]
+    found: list[tuple[float, WrongParameter]] = []
     for name in dict.fromkeys(name for _, name in names):
-        of = [case for case in shortest if (case.id, name) in names]
-        fits = [_by_area(case, rulers[case.id], runs[case.id], name) for case in of]
-        known = [fit for fit in fits if fit is not None]
-        offsets = np.array([part for part, left in known if left <= LEFT])
-        if offsets.size < max(_ENOUGH, _EXPLAINED * len(known)):
+        of = [area for area in usable if (area.case.id, name) in names]
+        few, of_all = partial(_left, name, of[:_ENOUGH]), partial(_left, name, of)
+        part = min(_OFFSETS, key=few)
+        if len(of) < _ENOUGH or few(part) > _PROMISING:
             continue
-        low, part, high = np.quantile(offsets, (0.25, 0.5, 0.75))
-        if high - low <= REPEATS * abs(part) and abs(part) >= LARGE:
-            median = float(np.median([left for _, left in known]))
-            found.append((median, WrongParameter(name, float(part))))
-    return min(found, key=lambda each: each[0])[1] if found else None
+        for width in _FINER:
+            part = min((part, part - width, part + width), key=of_all)
+        found.append((of_all(part), WrongParameter(name, part)))
+    least, best = min(found, key=lambda each: each[0], default=(np.inf, None))
+    return best if best is not None and least <= LEFT and abs(best.part) >= LARGE else None
 
 
-def _by_area(case: Case, ruler: Ruler, run: Run, name: str) -> tuple[float, float] | None:
-    """Return the part by which a parameter is off that fits a run, and what that leaves behind."""
-    exact, outputs = ruler.exact.record, [each for each in ("x", "F") if each in run.outputs]
-    read = np.searchsorted(exact.times, run.times)
-    read = read[exact.outputs["n_slips"][read] < _SLIPS]
+def _left(name: str, areas: "Sequence[_Area]", part: float) -> float:
+    """Return what a parameter that is larger by a part leaves of the areas in the middle case."""
+    return float(np.median([area.left(name, part) for area in areas])) if areas else np.inf
 
-    def apart(one: Run, other: Run) -> float:
-        parts = [
-            np.abs(one.outputs[each][: read.size] - other.outputs[each][read])
-            / (ruler.band.largest(each) or 1.0)
-            for each in outputs
-        ]
-        return float(np.mean(parts)) if outputs and read.size else 0.0
 
-    part, whole = 0.0, apart(run, exact)
-    if not 0.0 < whole < np.inf:
-        return None
-    try:
-        for bracket in _BRACKETS:
-            low, high = (apart(run, shifted(case, name, part + b)) for b in (-bracket, bracket))
-            part += bracket * (low - high) / (low + high)
-        return part, apart(run, shifted(case, name, part)) / whole
-    except ValueError:
-        # The case does not allow it: the mass would lift off.
-        return None
+@dataclass(frozen=True)
+class _Area:
+    """The area between a run of a case and exact motions over its first slips."""
+
+    case: Case
+    ruler: Ruler
+    run: Run
+
+    @cached_property
+    def usable(self) -> bool:
+        """Whether there are slips, points enough in them, and an area."""
+        slips = self.ruler.exact.facts.slips
+        return slips >= _SLIPS and self._read.size >= _POINTS and 0.0 < self._whole < np.inf
+
+    def left(self, name: str, part: float) -> float:
+        """Return how much of the area is left if a parameter is larger by a part."""
+        try:
+            return self._of(shifted(self.case, name, part)) / self._whole
+        except ValueError:
+            # The case does not allow it: the mass would lift off.
+            return 1.0
+
+    @cached_property
+    def _read(self) -> NDArray[np.intp]:
+        exact = self.ruler.exact.record
+        read = np.searchsorted(exact.times, self.run.times)
+        return read[exact.outputs["n_slips"][read] < _SLIPS]
+
+    @cached_property
+    def _whole(self) -> float:
+        return self._of(self.ruler.exact.record)
+
+    def _of(self, motion: Run) -> float:
+        size = self._read.size
+        return sum(
+            float(np.mean(np.abs(self.run.outputs[name][:size] - motion.outputs[name][self._read])))
+            / (self.ruler.band.largest(name) or 1.0)
+            for name in ("x", "F")
+            if name in self.run.outputs
+        )

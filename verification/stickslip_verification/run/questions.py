@@ -333,7 +333,7 @@ def questions(
     good = all(each.largest <= within for each in errors)
     answers = [
         Question("Is the model right?", right, _model(solved, failed, wrong, off)),
-        Question("How accurate is it?", good, _accuracy(solved, errors, within, middle)),
+        Question("How accurate is it?", good, _accuracy(solved, errors, within, middle, wrong)),
     ]
     if likeliest := "" if wrong is not None else _likeliest(solved, failed, runs):
         answers.append(Question(LIKELIEST, good=False, answer=likeliest))
@@ -432,7 +432,13 @@ def _set(case: Case) -> str:
     return f" {case.id} sets {values} (SI)" + (f" and changes {changed}." if changed else ".")
 
 
-def _accuracy(solved: Solution, errors: Sequence[Errors], within: float, middle: float) -> str:
+def _accuracy(
+    solved: Solution,
+    errors: Sequence[Errors],
+    within: float,
+    middle: float,
+    wrong: WrongParameter | None,
+) -> str:
     if not errors:
         return "Nothing is known of its accuracy: no cycle was compared."
     said = [
@@ -441,6 +447,8 @@ def _accuracy(solved: Solution, errors: Sequence[Errors], within: float, middle:
         for each in errors
         if each.quantity in ("jump", "period")
     ]
+    if wrong is not None:
+        return f"With that {wrong.name} {', '.join(said)}; how accurate it is shows without it."
     outside = [each.quantity for each in errors if each.largest > within]
     asked = f"within the {_percent(within):g} % asked for"
     if outside:
