@@ -171,7 +171,9 @@ def _off(
     changes = []
     for step in case.steps:
         values |= step.changes
-        before, now = now, lawful({**now, **step.changes, **about(step.changes)})
+        before = now
+        if step.changes:
+            now = lawful({**now, **step.changes, **about(step.changes)})
         changes.append({name: value for name, value in now.items() if value != before[name]})
     return start, changes
 

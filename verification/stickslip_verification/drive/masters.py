@@ -64,8 +64,8 @@ class Symmetry:
         self, setting: Mapping[str, float], own: Sequence[Parameter] = ()
     ) -> dict[str, float]:
         """Return `setting` with its factors; `own` are the friction law's parameters in it."""
-        factors = {each.name: self.factor(each) for each in (*PARAMETERS, *own)}
-        return {name: value * factors[name] for name, value in setting.items()}
+        known = {each.name: each for each in (*PARAMETERS, *own)}
+        return {name: value * self.factor(known[name]) for name, value in setting.items()}
 
 
 MIRROR = Symmetry("mirror", mirrored=True)

@@ -20,6 +20,7 @@ from stickslip_verification.model.verdict import (
     Motion,
     ObservedOrder,
     Verdict,
+    margin_of,
 )
 from stickslip_verification.report.svg import BLUE, GREY, INK, ORANGE, SOFT, STYLE, as_part
 
@@ -113,6 +114,7 @@ NOTHING: Final = 1e-18
 TOLERANCES_APART: Final = 30.0
 """Ratio of two tolerances from which their lines have room for a name each."""
 HOPELESS: Final = 1e6  # the largest error, as part of the scale, that the panel makes room for
+FARTHEST: Final = 12
 SIZE: Final = (480.0, 412.0)  # width and height of the picture of a case [pt]
 
 _DASHED: Final = (0, (5, 3))
@@ -122,13 +124,19 @@ _PREFIXES: Final = ((1e3, "k"), (1.0, ""), (1e-3, "m"), (1e-6, "µ"), (1e-9, "n"
 def draw_cases(verdict: Verdict) -> dict[str, str]:
     """Draw the motion of every case that the report shows, by case; see `draw_case`.
 
-    Of the random sequences these are the ones that failed.
+    Of the random sequences these are the ones that failed. Of a numerical solution, whose report is
+    made over and over while it is mended, they are those that failed and the `FARTHEST` ones.
     """
     failed = {result.case for result in verdict.checks if result.failed}
+    drawn = {motion.case: motion for motion in verdict.motions}
+    if verdict.questions:
+        ordered = sorted(verdict.checks, key=lambda result: margin_of(result) or 0.0, reverse=True)
+        farthest = list(dict.fromkeys(of.case for of in ordered if of.case in drawn))[:FARTHEST]
+        drawn = {case: of for case, of in drawn.items() if case in failed | {"default", *farthest}}
     return {
-        motion.case: draw_case(motion, _course_tolerances(verdict.checks, motion.case))
-        for motion in verdict.motions
-        if motion.case in failed or not motion.case.startswith(SEQUENCE)
+        case: draw_case(motion, _course_tolerances(verdict.checks, case))
+        for case, motion in drawn.items()
+        if case in failed or not case.startswith(SEQUENCE)
     }
 
 

@@ -28,7 +28,7 @@ from stickslip_verification.judge.checks import (
 )
 from stickslip_verification.model.quantities import OUTPUT_NAMES
 from stickslip_verification.model.run import Run
-from stickslip_verification.model.verdict import CheckResult, Klass
+from stickslip_verification.model.verdict import CheckResult
 from stickslip_verification.run.experiment import Baseline, Runs
 from stickslip_verification.suite.cases import Case, load_family
 from stickslip_verification.suite.sequences import PLAIN
@@ -152,7 +152,7 @@ def compare_numerical(runs: Runs, solved: Solution) -> Iterator[CheckResult]:
             empty = of_invariant(invariant, case, contract)
             yield _judge(empty, PLAIN, runs.plain[case], plain, solved.like, expected)
         for run in invariants.runs if plain is not None else ():
-            if run.klass == Klass.PHYSICS and run.holds_for(baseline.case.law):
+            if run.holds_for(baseline.case.law):
                 empty, other = of_invariant(run, case, contract), runs.others[case, run.run]
                 yield _judge(empty, run.run, other, plain, solved.like, expected)
     yield from _of_sequences(runs, solved.like)
