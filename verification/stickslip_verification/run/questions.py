@@ -335,7 +335,11 @@ def questions(
         Question("Is the model right?", right, _model(solved, failed, wrong, off)),
         Question("How accurate is it?", good, _accuracy(solved, errors, within, middle, wrong)),
     ]
-    if likeliest := "" if wrong is not None else _likeliest(solved, failed, runs):
+    if wrong is not None:
+        likeliest = f"Next: look where {wrong.name} is set and used; what else fails may follow."
+    else:
+        likeliest = _likeliest(solved, failed, runs)
+    if likeliest:
         answers.append(Question(LIKELIEST, good=False, answer=likeliest))
     rows = []
     for of in errors:
@@ -448,7 +452,10 @@ def _accuracy(
         if each.quantity in ("jump", "period")
     ]
     if wrong is not None:
-        return f"With that {wrong.name} {', '.join(said)}; how accurate it is shows without it."
+        return (
+            f"With that {wrong.name}: {', '.join(said)}. How accurate its solver is shows once "
+            f"{wrong.name} is right."
+        )
     outside = [each.quantity for each in errors if each.largest > within]
     asked = f"within the {_percent(within):g} % asked for"
     if outside:
