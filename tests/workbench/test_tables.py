@@ -61,7 +61,7 @@ def row(shown: list[str], *parts: str) -> str:
 
 @widths
 def test_a_verdict(width: int) -> None:
-    shown = lines(verdict_table(Verdict(CHECKS), width), width)
+    shown = lines(verdict_table(Verdict(CHECKS)), width)
     numbers = ["-1.23456e-08", "2.5e-13", "1e-12"] if width == 200 else ["0.25", "0.0033"]
     row(shown, CHECK.check, "pass", *numbers)
     row(shown, "n_slips-course", "FAIL")

@@ -158,7 +158,7 @@ def verify(
         )
     written = _write(found, output, full=paper)
     screen = console()
-    screen.print(tables.verdict_table(found.verdict, screen.width) if all_ else found.table())
+    screen.print(tables.verdict_table(found.verdict) if all_ else found.table())
     for file in written:
         print(file)
     if pack:

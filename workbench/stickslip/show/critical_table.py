@@ -3,11 +3,10 @@
 import math
 from collections.abc import Sequence
 
-from rich.box import SIMPLE_HEAD
 from rich.console import Group, RenderableType
-from rich.table import Table
 from rich.text import Text
 
+from stickslip.show.fitted import grid
 from stickslip.show.scales import VELOCITIES, scale_for
 from stickslip_ref import CriticalVelocity, Interval, Regime
 
@@ -22,19 +21,14 @@ _KINDS = {
 
 def critical_table(found: CriticalVelocity, there: Regime | None = None) -> RenderableType:
     """Make the table of a limit, with what happens at a velocity where it is given."""
-    table = Table(box=SIMPLE_HEAD)
-    table.add_column("", overflow="fold")
-    for heading in ("from", "", "to", ""):
-        table.add_column(heading, justify="right" if heading else "left", overflow="fold")
-    for name, ranges in (
-        ("a cycle with a stick exists", found.cycle),
-        ("steady sliding is unstable", found.unstable),
-    ):
-        for row in _rows(name, ranges, proven=found.proven):
-            table.add_row(*row)
+    rows = [
+        *_rows("a cycle with a stick exists", found.cycle, proven=found.proven),
+        *_rows("steady sliding is unstable", found.unstable, proven=found.proven),
+    ]
     notes = [] if found.proven else [_searched(found)]
     if there is not None:
         notes.insert(0, f"at {_speed(there.speed)} the mass {there.words}{_settles(there)}")
+    table = grid(("", "from", "", "to", ""), rows, texts=(0, 2, 4))
     return Group(table, *(Text(note) for note in notes))
 
 
@@ -64,10 +58,7 @@ def _kind(v: float, kind: str) -> str:
 
 
 def _speed(v: float) -> str:
-    if math.isinf(v):
-        return "no end"
-    scale = scale_for(v, VELOCITIES)
-    return f"{v / scale.size:.6g} {scale.symbol}"
+    return "no end" if math.isinf(v) else scale_for(v, VELOCITIES).text(v)
 
 
 def _searched(found: CriticalVelocity) -> str:

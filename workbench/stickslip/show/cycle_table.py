@@ -4,14 +4,13 @@ import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
-from rich.box import SIMPLE_HEAD
 from rich.console import RenderableType
 from rich.table import Table
 from rich.text import Text
 
 import stickslip_ref
 from stickslip.runs.run import Run
-from stickslip.show.fitted import Fitted
+from stickslip.show.fitted import Fitted, grid
 from stickslip.show.scales import FORCES, FREQUENCIES, LENGTHS, TIMES, VELOCITIES, Scales, scale_for
 
 _ROWS: tuple[tuple[str, str, Scales], ...] = (
@@ -101,17 +100,8 @@ def _table(
     explained: bool = True,
     compared: bool = True,
 ) -> Table:
-    table = Table(title=title, title_justify="left", title_style="bold", box=SIMPLE_HEAD)
-    if explained:
-        table.add_column("quantity", overflow="fold")
-    table.add_column("" if explained else "quantity", overflow="fold")
-    table.add_column("unit", overflow="fold")
     compared = compared and "exact" in columns
-    for name in columns:
-        style = _STYLES[name]
-        table.add_column(name, justify="right", style=style, overflow="fold")
-        if compared and name != "exact":
-            table.add_column("from exact", justify="right", style=style, overflow="fold")
+    lines = []
     for row in rows:
         shown = next((x for x in (row.exact, row.measured, row.simplified) if x == x), 0.0)
         scale = scale_for(shown, row.scales)
@@ -122,7 +112,16 @@ def _table(
             cells.append(_number(value / scale.size))
             if compared and name != "exact":
                 cells.append(_deviation(value, row.exact))
-        table.add_row(*cells)
+        lines.append(cells)
+    head = ["quantity", "", "unit"] if explained else ["quantity", "unit"]
+    texts = range(len(head))
+    for name in columns:
+        head += [name, "from exact"] if compared and name != "exact" else [name]
+    table = grid(head, lines, texts=texts, title=title)
+    before = ""
+    for column in table.columns[len(texts) :]:
+        before = str(column.header) if column.header in _STYLES else before
+        column.style = _STYLES[before]
     return table
 
 

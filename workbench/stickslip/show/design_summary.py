@@ -3,11 +3,11 @@
 from collections.abc import Iterator
 from typing import Final
 
-from rich.box import SIMPLE_HEAD
 from rich.console import Group, RenderableType
 from rich.table import Table
 from rich.text import Text
 
+from stickslip.show.fitted import grid as made
 from stickslip_design.report import tables
 from stickslip_design.verdict import Verdict
 
@@ -52,10 +52,5 @@ def _cures(verdict: Verdict) -> Iterator[RenderableType]:
 
 
 def _table(grid: tables.Grid) -> Table:
-    table = Table(box=SIMPLE_HEAD, show_header=bool(grid.head[1]))
-    for place, heading in enumerate(grid.head):
-        justify = "right" if place in grid.numbers else "left"
-        table.add_column(heading, justify=justify, overflow="fold")  # type: ignore[arg-type]
-    for row in grid.rows:
-        table.add_row(*row)
-    return table
+    texts = [place for place in range(len(grid.head)) if place not in grid.numbers]
+    return made(grid.head, grid.rows, texts=texts, show_header=bool(grid.head[1]))

@@ -1,14 +1,33 @@
-"""Tables that fit the line they are printed on."""
+"""Tables as all commands print them, and such as fit the line they are printed on."""
 
-from collections.abc import Sequence
-from typing import Final
+from collections.abc import Collection, Iterable, Sequence
+from typing import Any, Final
 
+from rich.box import SIMPLE_HEAD
 from rich.console import Console, ConsoleOptions, Group, RenderableType, RenderResult
 from rich.measure import Measurement
 from rich.segment import Segment
+from rich.table import Table
 
 _UNBOUND: Final = 10_000
 """Characters in a line that fits any table."""
+
+
+def grid(
+    head: Sequence[str],
+    rows: Iterable[Sequence[Any]] = (),
+    *,
+    texts: Collection[int] = (0,),
+    title: str | None = None,
+    **look: Any,
+) -> Table:
+    """Make a table: its headings, its rows, and which columns are texts and not numbers."""
+    table = Table(title=title, title_justify="left", title_style="bold", box=SIMPLE_HEAD, **look)
+    for place, heading in enumerate(head):
+        table.add_column(heading, justify="left" if place in texts else "right", overflow="fold")
+    for row in rows:
+        table.add_row(*row)
+    return table
 
 
 class Fitted:

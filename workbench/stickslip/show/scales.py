@@ -10,6 +10,10 @@ class Scale(NamedTuple):
     size: float
     symbol: str
 
+    def text(self, value: float, form: str = ".6g") -> str:
+        """Write a value [SI] with the unit."""
+        return f"{value / self.size:{form}} {self.symbol}"
+
 
 Scales: TypeAlias = Sequence[Scale]
 """Scales of one dimension, the largest unit first."""

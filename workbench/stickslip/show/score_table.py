@@ -3,13 +3,12 @@
 from collections.abc import Iterator
 from typing import Final
 
-from rich.box import SIMPLE_HEAD
 from rich.console import RenderableType
 from rich.table import Table
 from rich.text import Text
 
-from stickslip.show.fitted import Fitted
-from stickslip.show.scales import LENGTHS, TIMES, Scale, Scales, scale_for
+from stickslip.show.fitted import Fitted, grid
+from stickslip.show.scales import LENGTHS, TIMES, Scales, scale_for
 from stickslip_score import Compared, Score
 
 _QUANTITIES: Final[tuple[tuple[str, str, Scales], ...]] = (
@@ -23,16 +22,8 @@ _QUANTITIES: Final[tuple[tuple[str, str, Scales], ...]] = (
 def score_table(score: Score) -> RenderableType:
     """Make the table of a score: curve beside exact cycle, then cause, sentence and findings.
 
-    Parameters
-    ----------
-    score
-        What a curve came to.
-
-    Returns
-    -------
-    RenderableType
-        Errors and resolutions each in a unit of their own size; symbols and resolution are
-        left out where the line is short.
+    Errors and resolutions stand each in a unit of their own size; symbols and resolution are left
+    out where the line is short.
     """
     forms = [
         _table(score, named=named, resolved=resolved)
@@ -52,39 +43,24 @@ def _sentence(score: Score) -> str:
 
 def _table(score: Score, *, named: bool, resolved: bool) -> Table:
     cycles = f"{score.cycles} cycle{'' if score.cycles == 1 else 's'}"
-    table = Table(
-        title=f"Curve against exact cycle, mean of {cycles}",
-        title_justify="left",
-        title_style="bold",
-        box=SIMPLE_HEAD,
-    )
-    table.add_column("quantity", no_wrap=True)
-    if named:
-        table.add_column("", no_wrap=True)
-    for heading in ("curve", "exact", "error", *(["resolution"] if resolved else [])):
-        table.add_column(heading, justify="right", no_wrap=True)
+    rows = []
     for meaning, name, scales in _QUANTITIES:
         compared = getattr(score, "period" if name == "T" else name)
         cells = list(_cells(compared, scales))
-        table.add_row(meaning, *([name] if named else []), *(cells if resolved else cells[:-1]))
-    return table
+        rows.append((meaning, *([name] if named else []), *(cells if resolved else cells[:-1])))
+    head = ("quantity", *([""] if named else []), "curve", "exact", "error")
+    return grid(
+        (*head, "resolution") if resolved else head,
+        rows,
+        texts=(0, 1) if named else (0,),
+        title=f"Curve against exact cycle, mean of {cycles}",
+    )
 
 
 def _cells(compared: Compared, scales: Scales) -> Iterator[str]:
     shown = next((x for x in (compared.exact, compared.got) if x is not None), 0.0)
-    scale = scale_for(shown, scales)
-    yield _number(compared.got, scale)
-    yield _number(compared.exact, scale)
-    yield _small(compared.error, scales, "+")
-    yield _small(compared.resolution, scales, "")
-
-
-def _number(value: float | None, scale: Scale) -> str:
-    return "–" if value is None else f"{value / scale.size:.6g} {scale.symbol}"
-
-
-def _small(value: float | None, scales: Scales, sign: str) -> str:
-    if value is None:
-        return "–"
-    scale = scale_for(value, scales)
-    return f"{'' if sign else '±'}{value / scale.size:{sign}.3g} {scale.symbol}"
+    of_motion = scale_for(shown, scales)
+    for value in (compared.got, compared.exact):
+        yield "–" if value is None else of_motion.text(value)
+    for value, sign, form in ((compared.error, "", "+.3g"), (compared.resolution, "±", ".3g")):
+        yield "–" if value is None else sign + scale_for(value, scales).text(value, form)

@@ -7,10 +7,11 @@ from collections import Counter
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
-from rich.box import SIMPLE_HEAD
 from rich.console import Group, RenderableType
 from rich.table import Table
 from rich.text import Text
+
+from stickslip.show.fitted import grid
 
 if TYPE_CHECKING:
     import xarray
@@ -25,9 +26,9 @@ def sweep_summary(found: xarray.Dataset) -> RenderableType:
     """Make the summary of a sweep."""
     reasons = [str(each) for each in found["failure"].values.ravel().tolist() if each]
     runs = int(found["failure"].size)
-    parts: list[RenderableType] = [_results(found)]
     failed = f", {len(reasons)} failed" if reasons else ", none failed"
-    parts.append(Text(f"{runs} run{'' if runs == 1 else 's'}{failed}"))
+    said = Text(f"{runs} run{'' if runs == 1 else 's'}{failed}")
+    parts: list[RenderableType] = [_results(found), said]
     # Messages of one reason differ in their numbers.
     alike = Counter(_NUMBER.sub("...", each) for each in reasons)
     first = {_NUMBER.sub("...", each): each for each in reversed(reasons)}
@@ -40,10 +41,7 @@ def sweep_summary(found: xarray.Dataset) -> RenderableType:
 
 
 def _results(found: xarray.Dataset) -> Table:
-    table = Table(box=SIMPLE_HEAD)
-    for heading in ("result", "unit", "least", "greatest", "NaN", "meaning"):
-        justify = "left" if heading in ("result", "unit", "meaning") else "right"
-        table.add_column(heading, justify=justify, overflow="fold")  # type: ignore[arg-type]
+    rows = []
     ok = found["failure"].values.ravel() == ""
     for name, column in found.data_vars.items():
         if name == "failure":
@@ -53,6 +51,5 @@ def _results(found: xarray.Dataset) -> Table:
         ends = [f"{known.min():.6g}", f"{known.max():.6g}"] if known.size else ["", ""]
         lacking = str(values.size - known.size) if values.size > known.size else ""
         about = column.attrs
-        row = (str(name), about.get("units", ""), *ends, lacking, about.get("long_name", ""))
-        table.add_row(*row)
-    return table
+        rows.append((name, about.get("units", ""), *ends, lacking, about.get("long_name", "")))
+    return grid(("result", "unit", "least", "greatest", "NaN", "meaning"), rows, texts=(0, 1, 5))

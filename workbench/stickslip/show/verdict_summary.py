@@ -3,12 +3,11 @@
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Final
 
-from rich.box import SIMPLE_HEAD
 from rich.console import RenderableType
 from rich.table import Table
 from rich.text import Text
 
-from stickslip.show.fitted import Fitted
+from stickslip.show.fitted import Fitted, grid
 from stickslip_verification import CheckResult, Meaning, Verdict, margin
 from stickslip_verification.model.verdict import SEQUENCE, Kind
 
@@ -26,12 +25,7 @@ _TOLD: Final = 12
 def verdict_summary(verdict: Verdict, meanings: Mapping[str, Meaning]) -> RenderableType:
     """Make the tables of cases and of kinds of truth, the failures, and the count.
 
-    Parameters
-    ----------
-    verdict
-        What came out.
-    meanings
-        For a check, what its failure means.
+    `meanings` say what a failure of a check means.
     """
     return Fitted(
         [_cases(verdict, worst=True), _cases(verdict, worst=False)],
@@ -69,29 +63,26 @@ def _why(verdict: Verdict) -> str:
 
 
 def _cases(verdict: Verdict, *, worst: bool) -> Table:
-    table = Table(title="Verification", title_justify="left", title_style="bold", box=SIMPLE_HEAD)
-    table.add_column("case", no_wrap=True)
-    for heading in ("FMU", "reference"):
-        table.add_column(heading, justify="right", no_wrap=True)
-    table.add_column("of tolerance" if worst else "of tol.", justify="right", no_wrap=True)
-    if worst:
-        table.add_column("nearest to its tolerance", no_wrap=True)
-    table.add_column("verdict", no_wrap=True)
     cases: dict[str, list[CheckResult]] = {}
     for result in verdict.checks:
         drawn = result.case.startswith(SEQUENCE)
         cases.setdefault(SEQUENCE if drawn else result.case, []).append(result)
-    sequences = f"{len(verdict.sequences)} random sequences"
+    names = {SEQUENCE: f"{len(verdict.sequences)} random sequences", "": "the FMU itself"}
+    rows = []
     for case, results in cases.items():
         nearest = max((r for r in results if r.decides), key=_margin, default=results[0])
-        table.add_row(
-            sequences if case == SEQUENCE else case or "the FMU itself",
-            *(_holding([r for r in results if r.side == side]) for side in _SIDES),
-            f"{_margin(nearest):.2g}",
-            *([nearest.check if _margin(nearest) > 0.0 else ""] if worst else []),
-            _word(results),
+        rows.append(
+            (
+                names.get(case, case),
+                *(_holding([r for r in results if r.side == side]) for side in _SIDES),
+                f"{_margin(nearest):.2g}",
+                *([nearest.check if _margin(nearest) > 0.0 else ""] if worst else []),
+                word(results),
+            )
         )
-    return table
+    how = ("of tolerance", "nearest to its tolerance") if worst else ("of tol.",)
+    head = ("case", "FMU", "reference", *how, "verdict")
+    return grid(head, rows, texts=(0, *range(4, len(head))), title="Verification")
 
 
 def _margin(result: CheckResult) -> float:
@@ -108,47 +99,41 @@ def _holding(results: Sequence[CheckResult]) -> str:
     return f"{sum(result.passed for result in applying)} of {len(applying)}"
 
 
-def _word(results: Sequence[CheckResult]) -> Text:
+def word(results: Sequence[CheckResult]) -> Text:
+    """Say in a word what results come to: one failure fails them."""
     words = {result.verdict for result in results}
-    if "fail" in words:
-        return Text("FAIL", style="bold red")
-    if words == {"not applicable"}:
-        return Text("not applicable", style="dim")
-    return Text("noted", style="yellow") if "noted" in words else Text("pass", style="green")
+    styles = {"fail": "bold red", "noted": "yellow", "pass": "green", "not applicable": "dim"}
+    said = next(each for each in styles if each in words)
+    return Text("FAIL" if said == "fail" else said, style=styles[said])
 
 
 def _kinds(verdict: Verdict) -> Table:
-    table = Table(box=SIMPLE_HEAD)
-    for heading in ("kind of truth", "what"):
-        table.add_column(heading, overflow="fold")
-    for heading in ("passed", "failed"):
-        table.add_column(heading, justify="right", no_wrap=True)
-    for kind, of_kind in verdict.by_kind.items():
-        table.add_row(kind, _KINDS[kind], str(of_kind["passed"]), str(of_kind["failed"]))
-    return table
+    rows = (
+        (kind, _KINDS[kind], str(of["passed"]), str(of["failed"]))
+        for kind, of in verdict.by_kind.items()
+    )
+    return grid(("kind of truth", "what", "passed", "failed"), rows, texts=(0, 1))
 
 
 def _failures(verdict: Verdict, meanings: Mapping[str, Meaning]) -> Iterator[Text]:
     failed = [result for result in verdict.checks if result.failed]
-    told: set[str] = set()
+    explained: set[str] = set()
     for result in failed[:_TOLD]:
-        yield Text(f"FAIL {_name(result)}: {_what(result)}", "red")
+        yield failure(result)
         meaning = meanings.get(result.check)
-        if meaning is not None and result.check not in told:
-            told.add(result.check)
+        if meaning is not None and result.check not in explained:
+            explained.add(result.check)
             yield Text(f"     {meaning.means} Likeliest bug: {meaning.look}")
     if len(failed) > _TOLD:
         yield Text(f"and {len(failed) - _TOLD} more; the report lists them all", "red")
 
 
-def _name(result: CheckResult) -> str:
-    return f"{result.case or 'the FMU itself'} / {result.check} ({result.side})"
-
-
-def _what(result: CheckResult) -> str:
-    if result.failure is not None:
-        return result.failure
-    return (
+def failure(result: CheckResult, *, because: bool = False) -> Text:
+    """Say what failed and by how much, with the reason of the tolerance if `because`."""
+    what = result.failure or (
         f"got {result.got!r}, expected {result.expected!r} {result.unit}; "
         f"error {result.error:.2e}, tolerance {result.tolerance:g}"
+        + (f": {result.because}" if because else "")
     )
+    where = f"{result.case or 'the FMU itself'} / {result.check} ({result.side})"
+    return Text(f"FAIL {where}: {what}", "red")
