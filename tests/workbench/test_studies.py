@@ -168,7 +168,7 @@ def test_swept_points_are_parquet_in_the_order_of_their_table(
 
 def test_a_template_of_a_sweep_is_printed_or_written(command: Command, fmu_path: Path) -> None:
     answer = command("sweep", fmu_path, "new.toml", "--template")
-    assert (answer.code, answer.err) == (0, "stickslip: written: new.toml\n")
+    assert (answer.code, answer.out) == (0, "written: new.toml\n")
     text = Path("new.toml").read_text(encoding="utf-8")
     assert 'x = "last"' in text
     assert command.passes("sweep", fmu_path, "--template") == text
@@ -231,7 +231,7 @@ def test_a_design_is_a_summary_a_report_and_json(
 def test_an_axis_file_to_begin_with(command: Command, which: str, text: str) -> None:
     assert command.passes("design", f"--{which}") == text
     told = command.passes("design", f"--{which}", "new.toml")
-    assert told == "new.toml is written; next: stickslip design new.toml\n"
+    assert told == "written: new.toml; next: stickslip design new.toml\n"
     assert Path("new.toml").read_text(encoding="utf-8") == text
 
 

@@ -6,7 +6,7 @@ from typing import Annotated
 import typer
 
 from stickslip.commands.expanded import command
-from stickslip.commands.shared import console
+from stickslip.commands.shared import console, hand_out
 from stickslip.errors import CommandError
 
 
@@ -51,7 +51,11 @@ def design(
                 "--template and --example study no axis: without -o and --json; the file to write "
                 "is named without an option"
             )
-        _write_axis(axis, example=example)
+        from stickslip_design.axis import example as example_text
+        from stickslip_design.axis import template as template_text
+
+        text, option = (example_text(), "--example") if example else (template_text(), "--template")
+        hand_out(text, axis, option, f"; next: stickslip design {axis}")
         return
     if axis is None:
         raise CommandError(
@@ -87,21 +91,3 @@ def _study(file: Path, report: Path, json: Path | None) -> None:
 
 def _same(one: Path, other: Path) -> bool:
     return one.resolve() == other.resolve()
-
-
-def _write_axis(target: Path | None, *, example: bool) -> None:
-    """Print an axis file, or write it where no file is yet."""
-    from stickslip.files import writing
-    from stickslip_design.axis import example as example_text
-    from stickslip_design.axis import template as template_text
-
-    text = example_text() if example else template_text()
-    if target is None:
-        print(text, end="")
-        return
-    option = "--example" if example else "--template"
-    if target.is_file():
-        raise CommandError(f"{option} {target}: there is such a file already; name a new one")
-    with writing(target, option) as stream:
-        stream.write(text.encode("utf-8"))
-    print(f"{target} is written; next: stickslip design {target}")

@@ -6,6 +6,7 @@ from typing import Annotated
 import typer
 
 from stickslip.commands.expanded import command
+from stickslip.commands.shared import hand_out
 from stickslip.errors import CommandError
 
 
@@ -21,15 +22,8 @@ def names(
     ] = None,
 ) -> None:
     """Write a names file to begin with, for `stickslip verify --names`; the FMU is run for it."""
-    from stickslip.files import writing
     from stickslip_verification import starter
 
-    if output is not None and output.is_file():
+    if output is not None and output.exists():
         raise CommandError(f"-o {output}: it is there already, and may have been edited")
-    text = starter(fmu)
-    if output is None:
-        print(text, end="")
-        return
-    with writing(output, "-o") as stream:
-        stream.write(text.encode())
-    print(output)
+    hand_out(starter(fmu), output, "-o")

@@ -106,6 +106,20 @@ def pack_evidence(fmu: Path, verdict: "Verdict", option: str) -> None:
         raise CommandError(f"{option} {fmu}: cannot write the FMU: {reason}") from error
 
 
+def hand_out(text: str, target: Path | None, option: str, then: str = "") -> None:
+    """Print a text to begin with, or write it where no file is yet; `then` is what comes next."""
+    from stickslip.files import writing
+
+    if target is None:
+        print(text, end="")
+        return
+    if target.exists():
+        raise CommandError(f"{option} {target}: there is such a file already; name a new one")
+    with writing(target, option) as stream:
+        stream.write(text.encode())
+    print(f"written: {target}{then}")
+
+
 @contextlib.contextmanager
 def long_work(what: str) -> Iterator[Progress]:
     """Show the progress of long work that is done in other processes."""

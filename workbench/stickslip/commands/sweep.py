@@ -10,7 +10,7 @@ import typer
 from stickslip.commands.expanded import command
 from stickslip.commands.options import Computing
 from stickslip.commands.running import computed as run
-from stickslip.commands.shared import console, say
+from stickslip.commands.shared import console, hand_out, say
 from stickslip.errors import CommandError
 
 
@@ -47,7 +47,10 @@ def sweep(
 ) -> None:
     """Run an FMU or SSP file with many settings, and keep numbers of each run."""
     if template:
-        _write_template(model, plan)
+        from stickslip_design.sweeps import read_model
+        from stickslip_design.sweeps.template import template as template_text
+
+        hand_out(template_text(read_model(model)), plan, "--template")
         return
     if plan is None:
         raise CommandError(
@@ -65,19 +68,3 @@ def sweep(
     console().print(sweep_summary(found))
     if output is not None:
         say(f"written: {output}/{file_of(study)}")
-
-
-def _write_template(model: Path, target: Path | None) -> None:
-    from stickslip.files import writing
-    from stickslip_design.sweeps import read_model
-    from stickslip_design.sweeps.template import template
-
-    text = template(read_model(model))
-    if target is None:
-        print(text, end="")
-        return
-    if target.exists():
-        raise CommandError(f"--template {target}: is there already; name a new file")
-    with writing(target, "--template") as stream:
-        stream.write(text.encode())
-    say(f"written: {target}")
