@@ -115,6 +115,8 @@ $(VENV)/bin/python:
 
 $(VENV)/ready: $(VENV)/bin/python pyproject.toml constraints.txt
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --constraint constraints.txt --editable '.[studies]'
+	@# Where Python may write no bytecode, each of some hundred processes would compile all anew.
+	$(BIN)/python -m compileall -q fmu_src src verification workbench examples
 	touch $@
 
 $(VENV)/ready-to-test: $(VENV)/ready
