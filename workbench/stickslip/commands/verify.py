@@ -135,7 +135,8 @@ def verify(
     _check_contract(contract, strict, pack)
     limits = _limits(time_limit, budget, memory)
     _check_pack(pack, fmu, names, cases)
-    judgements.load_cases(cases)
+    if cases is not None:
+        judgements.load_cases(cases)
     judgements.share(within)
     _check_targets(output)
     fmu = fmu or current_fmu(law)
