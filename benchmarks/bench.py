@@ -27,7 +27,7 @@ from benchmarks import settings
 from benchmarks.calls import bare, in_c
 from benchmarks.chunks import measure_chunks
 from benchmarks.empty_slave import build_empty_slave
-from benchmarks.page import NoBrowserError, measure_moves, measure_openings
+from benchmarks.page import NoBrowserError, measure_moves, measure_opening
 from stickslip.page import page
 from stickslip_design.axis import axis_of, example
 from stickslip_design.chunks import run as run_study
@@ -313,7 +313,7 @@ def of_page(folder: Path) -> Iterator[Row]:
     file = folder / "stick-slip.html"
     file.write_text(page(), encoding="utf-8")
     try:
-        (opening,) = measure_openings([file])
+        opening = measure_opening(file)
         places = measure_moves(file)
     except NoBrowserError as error:
         print(f"The page is not measured: {error}.")

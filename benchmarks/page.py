@@ -1,19 +1,13 @@
-"""The page in a headless browser: from file to first picture, from a moved slider to its redraw.
+"""The page in a headless browser: from file to first picture, from a moved slider to its redraw."""
 
-``python -m benchmarks.page BASELINE`` measures the page of this source tree beside another file.
-"""
-
-import argparse
 import shutil
 import statistics
-import tempfile
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from random import Random
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from stickslip.page import page as page_text
 from tests.page.browser import ARGUMENTS
 
 if TYPE_CHECKING:
@@ -24,8 +18,6 @@ ROUNDS = 5
 OPENINGS = 9
 PLACES = {"top": "h1", "story": "#story", "maps": "#maps"}
 """What is scrolled into sight while a slider is moved."""
-MOST_RATIO = 1.2
-"""What the first picture may take at most, against that of the baseline."""
 # A frame as soon as there is one: what is timed is the page and not the wait for a tick.
 FRAMES_AT_ONCE = ("--disable-frame-rate-limit", "--disable-gpu-vsync")
 
@@ -140,37 +132,19 @@ def _launched() -> Iterator["Browser"]:
             yield browser
 
 
-def measure_openings(files: Sequence[Path]) -> list[Opening]:
-    """Open pages by turns, each time in a fresh context.
-
-    Parameters
-    ----------
-    files
-        The pages.
-
-    Raises
-    ------
-    NoBrowserError
-        If Playwright or a browser is missing.
-    """
-    found: dict[Path, list[Mapping[str, float]]] = {file: [] for file in files}
+def measure_opening(file: Path) -> Opening:
+    """Open a page some times, each in a fresh context; `NoBrowserError` without a browser."""
+    seen: list[dict[str, float]] = []
     with _launched() as browser:
-        for turn in range(OPENINGS):
-            # Neither always comes first.
-            for file in files if turn % 2 == 0 else reversed(files):
-                with browser.new_context(viewport={"width": 1280, "height": 800}) as context:
-                    page = context.new_page()
-                    page.add_init_script(OPENING)
-                    page.goto(file.as_uri())
-                    page.wait_for_function("window.stickslip !== undefined")
-                    found[file].append(page.evaluate("window.opening"))
-    return [
-        Opening(
-            1e-3 * statistics.median(each["first"] for each in found[file]),
-            max(each["shift"] for each in found[file]),
-        )
-        for file in files
-    ]
+        for _ in range(OPENINGS):
+            with browser.new_context(viewport={"width": 1280, "height": 800}) as context:
+                page = context.new_page()
+                page.add_init_script(OPENING)
+                page.goto(file.as_uri())
+                page.wait_for_function("window.stickslip !== undefined")
+                seen.append(page.evaluate("window.opening"))
+    first = statistics.median(opening["first"] for opening in seen)
+    return Opening(1e-3 * first, max(opening["shift"] for opening in seen))
 
 
 def measure_moves(file: Path) -> dict[str, dict[str, float]]:
@@ -228,30 +202,3 @@ def _positions(seed: int) -> list[float]:
     positions = [(n + 0.5) / MOVES for n in range(MOVES)]
     Random(seed).shuffle(positions)
     return positions
-
-
-def main() -> None:
-    """Measure the page of this source tree beside a baseline, and print it."""
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("baseline", type=Path, metavar="BASELINE", help="another page file")
-    baseline = parser.parse_args().baseline.resolve(strict=True)
-    with tempfile.TemporaryDirectory(prefix="stickslip-bench-") as folder:
-        ours = Path(folder) / "stick-slip.html"
-        ours.write_text(page_text(), encoding="utf-8")
-        first, other = measure_openings([ours, baseline])
-        ratio = first.first / other.first
-        print(
-            f"file to first picture: {1e3 * first.first:.0f} ms,"
-            f" baseline {1e3 * other.first:.0f} ms, ratio {ratio:.2f} (limit {MOST_RATIO})"
-        )
-        print(f"layout shift after it: {first.shift:g} (limit 0), baseline {other.shift:g}")
-        for name, file in {"this page": ours, "baseline": baseline}.items():
-            for place, times in measure_moves(file).items():
-                print(
-                    f"slider to redraw, {name}, {place} in sight:"
-                    f" median {1e3 * times['median']:.1f} ms, 95 % {1e3 * times['late']:.1f} ms"
-                )
-
-
-if __name__ == "__main__":
-    main()
