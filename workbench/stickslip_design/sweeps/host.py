@@ -11,7 +11,7 @@ import multiprocessing
 import shutil
 import signal
 import sys
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Sequence
 from multiprocessing.connection import wait
 from pathlib import Path
 from typing import Any, Final, TypeAlias
@@ -23,9 +23,8 @@ from stickslip_verification import FmuError
 from stickslip_verification.drive.fmu.description import new_folder, unpack
 from stickslip_verification.drive.processes import LostError, Worker
 
-from .job import Job
 from .refusal import SweepError
-from .runner import Runner
+from .runner import Job, Runner
 
 _STARTING: Final = 60.0
 """Seconds that loading the FMUs may take, beside the time limit of a run."""
@@ -67,20 +66,13 @@ class Host:
     def runs(self, rows: NDArray[np.float64]) -> tuple[NDArray[np.float64], list[str]]:
         """Return results and reason of failure of each run, NaN and empty where there is none.
 
-        Parameters
-        ----------
-        rows
-            Values of the swept variables, shape (runs, variables).
-
-        Raises
-        ------
-        SweepError
-            If the FMUs cannot be loaded.
+        `rows` are values of the swept variables, shape (runs, variables). `SweepError` if the FMUs
+        cannot be loaded.
         """
         values, failures = zip(*self._results(rows), strict=True)
         return np.array(values), list(failures)
 
-    def _results(self, rows: NDArray[np.float64]) -> Iterable[_Result]:
+    def _results(self, rows: NDArray[np.float64]) -> list[_Result]:
         is_fresh = self._worker is None
         worker = self._worker or self._loaded()
         try:
@@ -126,30 +118,28 @@ class Host:
     ) -> Any:
         """Return what a task answers; a `LostError` says how the process ended."""
         worker.give(task, arguments)
-        ended = ""
-        if wait(worker.handles, _STARTING + seconds):
-            try:
+        reason = "SIGALRM"
+        try:
+            if wait(worker.handles, _STARTING + seconds):
                 return worker.answer()
-            except LostError as error:
-                ended = str(error)
+        except LostError as error:
+            reason = str(error)
         self.drop()
-        is_late = not ended or "SIGALRM" in ended
-        raise LostError(f"took longer than {self._limit:g} s" if is_late else ended)
+        late = f"took longer than {self._limit:g} s"
+        raise LostError(late if "SIGALRM" in reason else reason)
 
 
 def _unpacked(job: Job, content: bytes, is_system: bool, folder: Path) -> list[Path]:
     """Unpack the FMUs of the components, and return where each is."""
-    archive = folder / "model"
+    archive, system = folder / "model", folder / "system"
     archive.write_bytes(content)
     if is_system:
-        (folder / "system").mkdir()
-        unpack(archive, folder / "system")
-    folders = []
-    for index, component in enumerate(job.components):
-        target = folder / str(index)
+        system.mkdir()
+        unpack(archive, system)
+    folders = [folder / str(index) for index in range(len(job.components))]
+    for component, target in zip(job.components, folders, strict=True):
         target.mkdir()
-        unpack(folder / "system" / component.source if is_system else archive, target)
-        folders.append(target)
+        unpack(system / component.source if is_system else archive, target)
     return folders
 
 

@@ -9,17 +9,70 @@ from __future__ import annotations
 
 import contextlib
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
 from stickslip_verification import FmuError
+from stickslip_verification.drive.fmu import names
 from stickslip_verification.drive.fmu.instance import FACES, FmuInstance
-from stickslip_verification.drive.fmu.names import Variable
 
-from .job import Job
-from .reductions import REDUCTIONS
+from .model import Component, Variable, Wire
+from .reductions import REDUCTIONS, reduces
+
+
+@dataclass(frozen=True)
+class Job:
+    """All that runs have in common: resolved, and small enough to be sent to a process.
+
+    Attributes
+    ----------
+    components, variables, wires
+        The FMUs; the variables that are set, read or connected, by name; the connections.
+    fixed
+        Values that all runs have, by name, in the FMU's units.
+    swept
+        Names of the variables that each run sets, in the order of its values.
+    tables
+        Inputs from files, by name: a value for each communication step, set before it.
+    times, steps
+        Communication points [s], shape (steps + 1,), and communication steps [s], shape (steps,).
+    settled
+        Index of the first communication point that reductions see.
+    outputs
+        Names of reductions by variable.
+    reset
+        Whether an instance does run after run, reset between.
+    """
+
+    components: tuple[Component, ...]
+    variables: Mapping[str, Variable]
+    wires: tuple[Wire, ...]
+    fixed: Mapping[str, float]
+    swept: tuple[str, ...]
+    tables: Mapping[str, NDArray[np.float64]]
+    times: NDArray[np.float64]
+    steps: NDArray[np.float64]
+    settled: int
+    outputs: Mapping[str, tuple[str, ...]]
+    reset: bool = True
+
+    @property
+    def results(self) -> list[tuple[str, str]]:
+        """Variable and reduction of each result of a run, in order."""
+        return [(name, one) for name, reductions in self.outputs.items() for one in reductions]
+
+    @property
+    def columns(self) -> tuple[str, ...]:
+        """Names of the results."""
+        return tuple(column_of(*result) for result in self.results)
+
+
+def column_of(name: str, reduction: str) -> str:
+    """Return the name of a result: the variable for its last value, else variable.reduction."""
+    return name if reduction == "last" else f"{name}.{reduction}"
 
 
 class _File:
@@ -27,12 +80,10 @@ class _File:
 
     def __init__(self, job: Job, index: int, folder: Path) -> None:
         component = job.components[index]
-        self.path = Path(component.name)
-        self.folder = folder
-        self.token = component.token
-        self.model_identifier = component.identifier
-        self.variables: Mapping[str, Variable] = {
-            each.name: each for each in job.variables.values() if each.component == index
+        self.path, self.folder = Path(component.name), folder
+        self.token, self.model_identifier = component.token, component.identifier
+        self.variables: Mapping[str, names.Variable] = {
+            one.name: one for one in job.variables.values() if one.component == index
         }
 
 
@@ -40,14 +91,9 @@ class Runner:
     """Does the runs of a job, whose FMUs are in folders; `FmuError` if one cannot be loaded."""
 
     def __init__(self, job: Job, folders: Sequence[Path]) -> None:
-        self.job = job
-        self._folders = folders
-        self._files = [_File(job, index, folder) for index, folder in enumerate(folders)]
+        self.job, self._folders, self._reduces = job, folders, reduces(job.outputs)
         self._instances: list[FmuInstance] = []
         self._used = False
-        self._whole = any(
-            REDUCTIONS[each].whole for all_of in job.outputs.values() for each in all_of
-        )
         self._instantiate()
 
     def run(self, values: NDArray[np.float64]) -> list[float]:
@@ -59,8 +105,8 @@ class Runner:
         if self._used:
             if self.job.reset:
                 with contextlib.suppress(FmuError):
-                    for each in self._instances:
-                        each.reset()
+                    for instance in self._instances:
+                        instance.reset()
                     return self._run(values)
             self._instantiate()
         self._used = True
@@ -73,37 +119,38 @@ class Runner:
 
     def close(self) -> None:
         """Free the instances."""
-        for each in self._instances:
+        for instance in self._instances:
             with contextlib.suppress(FmuError):
-                each.free()
+                instance.free()
         self._instances = []
 
     def _instantiate(self) -> None:
         self.close()
-        for file, component in zip(self._files, self.job.components, strict=True):
+        job = self.job
+        for index, component in enumerate(job.components):
+            file = _File(job, index, self._folders[index])
             self._instances.append(FACES[component.fmi_version](file))
         self._used = False
-        job = self.job
         self._set_start = self._writer([*job.fixed, *job.swept])
         self._set_tables = self._writer([*job.tables])
-        self._set_wired = self._writer([each.input for each in job.wires])
-        self._read_wired = self._reader([each.output for each in job.wires])
-        self._read_outputs = self._reader(list(job.outputs))
+        self._set_wired = self._writer([wire.input for wire in job.wires])
+        self._read_wired = self._reader([wire.output for wire in job.wires])
+        self._read_outputs = self._reader([*job.outputs])
 
-    def _parts(self, names: Sequence[str]) -> list[tuple[FmuInstance, list[int]]]:
+    def _parts(self, called: Sequence[str]) -> list[tuple[FmuInstance, list[int]]]:
         """Return the instances that have some of these variables, with the places of the names."""
-        homes = [self.job.variables[name].component for name in names]
+        homes = [self.job.variables[name].component for name in called]
         return [
             (instance, [place for place, home in enumerate(homes) if home == index])
             for index, instance in enumerate(self._instances)
             if index in homes
         ]
 
-    def _writer(self, names: Sequence[str]) -> Callable[[Sequence[float]], None]:
+    def _writer(self, called: Sequence[str]) -> Callable[[Sequence[float]], None]:
         """Return a function that sets these variables, of any components, given their values."""
         writers = [
-            (instance.writer([names[place] for place in places]), places)
-            for instance, places in self._parts(names)
+            (instance.writer([called[place] for place in places]), places)
+            for instance, places in self._parts(called)
         ]
 
         def write(values: Sequence[float]) -> None:
@@ -112,64 +159,51 @@ class Runner:
 
         return write
 
-    def _reader(self, names: Sequence[str]) -> Callable[[], list[float]]:
+    def _reader(self, called: Sequence[str]) -> Callable[[], list[float]]:
         """Return a function that reads these variables, of any components, in this order."""
-        parts = self._parts(names)
-        readers = [one.reader([names[place] for place in places]) for one, places in parts]
-        if len(readers) == 1:
-            return readers[0]
+        parts = self._parts(called)
+        readers = [one.reader([called[place] for place in places]) for one, places in parts]
         order = np.argsort([place for _, places in parts for place in places]).tolist()
 
         def read() -> list[float]:
             values = [value for reader in readers for value in reader()]
             return [values[place] for place in order]
 
-        return read
+        return readers[0] if len(readers) == 1 else read
 
     def _run(self, values: NDArray[np.float64]) -> list[float]:
-        job = self.job
+        job, samples = self.job, list[list[float]]()
         self._set_start([*job.fixed.values(), *values.tolist()])
-        if job.tables:
-            self._set_tables([float(values[0]) for values in job.tables.values()])
-        start = float(job.times[0])
-        for each in self._instances:
-            each.enter(start)
-        if job.wires:
-            for _ in self._instances:
-                self._hand_on()
-        for each in self._instances:
-            each.leave()
-        samples = []
-        for index, (time, step) in enumerate(
-            zip(job.times.tolist(), job.steps.tolist(), strict=False)
-        ):
-            if self._whole and index >= job.settled:
+        self._follow_tables(0)
+        for instance in self._instances:
+            instance.enter(float(job.times[0]))
+        for _ in self._instances:
+            self._hand_on()
+        for instance in self._instances:
+            instance.leave()
+        starts = job.times[:-1].tolist()
+        for index, (time, step) in enumerate(zip(starts, job.steps.tolist(), strict=True)):
+            if self._reduces and index >= job.settled:
                 samples.append(self._read_outputs())
-            if job.wires:
-                self._hand_on()
-            if job.tables:
-                self._set_tables([float(values[index]) for values in job.tables.values()])
+            self._hand_on()
+            self._follow_tables(index)
             for instance in self._instances:
                 instance.step(time, step)
-        last = self._read_outputs()
-        if not self._whole:
-            return last
-        return self._reduced(np.array([*samples, last]))
+        samples.append(self._read_outputs())
+        if not self._reduces:
+            return samples[-1]
+        columns = dict(zip(job.outputs, np.array(samples).T, strict=True))
+        times = job.times[-len(samples) :]
+        return [REDUCTIONS[reduction].of(times, columns[name]) for name, reduction in job.results]
+
+    def _follow_tables(self, index: int) -> None:
+        if self.job.tables:
+            self._set_tables([float(values[index]) for values in self.job.tables.values()])
 
     def _hand_on(self) -> None:
-        given = self._read_wired()
-        wires = self.job.wires
-        self._set_wired(
-            [w.factor * value + w.offset for w, value in zip(wires, given, strict=True)]
-        )
-
-    def _reduced(self, samples: NDArray[np.float64]) -> list[float]:
-        times = self.job.times[-len(samples) :]
-        return [
-            REDUCTIONS[reduction].of(times, samples[:, place])
-            for place, all_of in enumerate(self.job.outputs.values())
-            for reduction in all_of
-        ]
+        if wires := self.job.wires:
+            outputs = zip(wires, self._read_wired(), strict=True)
+            self._set_wired([wire.factor * value + wire.offset for wire, value in outputs])
 
     def _without_names(self, said: str) -> str:
         """Return a message without what differs from process to process."""
