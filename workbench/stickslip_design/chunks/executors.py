@@ -146,10 +146,7 @@ class _Cluster(Workers):
 def cluster(address: str) -> Iterator[Workers]:
     """Give the workers of a dask scheduler; at the end of the block, no chunk is asked of them.
 
-    Raises
-    ------
-    StudyError
-        If the extra `cluster` is not installed, or no scheduler answers within 10 s.
+    `StudyError` if the extra `cluster` is not installed, or no scheduler answers within 10 s.
     """
     try:
         distributed = need("distributed", "cluster")

@@ -111,13 +111,7 @@ def _shown(values: Mapping[str, str], name: str) -> str:
 
 
 def read_manifest(store: Store) -> Manifest | None:
-    """Return the manifest of a store; None if there is none.
-
-    Raises
-    ------
-    StudyError
-        If the file of its name is none.
-    """
+    """Return the manifest of a store, None if there is none; `StudyError` if its file is none."""
     try:
         content = json.loads(store.read(MANIFEST))
     except (FileNotFoundError, NotADirectoryError):
@@ -133,13 +127,9 @@ def read_manifest(store: Store) -> Manifest | None:
 
 @contextmanager
 def begun(store: Store, new: Manifest, *, fresh: bool) -> Iterator[None]:
-    """Lock a store that holds this study: the same one resumes, another is refused or removed.
+    """Lock a store that holds this study: the same one resumes, another is removed if `fresh`.
 
-    Raises
-    ------
-    StudyError
-        If it holds other files, or another study, or one of other versions, and `fresh` is not
-        set; it names a file or the difference.
+    Else a `StudyError` names the difference, or a file of a store that holds no study.
     """
     if read_manifest(store) is None:
         foreign = sorted(name for name in store.names() if not _is_ours(name))

@@ -88,10 +88,7 @@ class Results:
     def read(self, start: int = 0, stop: int | None = None) -> Columns:
         """Return the columns of the points from `start` up to `stop`.
 
-        Raises
-        ------
-        StudyError
-            If a chunk file was removed or altered since it was computed.
+        `StudyError` if a chunk file was removed or altered since it was computed.
         """
         start, stop, _ = slice(start, stop).indices(self.count)
         first = bisect_right(self._chunks, start, key=lambda chunk: chunk.start) - 1

@@ -41,10 +41,7 @@ class Columns(NamedTuple):
 def read_columns(file: Path) -> Columns:
     """Read a file of columns.
 
-    Raises
-    ------
-    SweepError
-        If it cannot be read, has no rows, or a cell is no finite number; with the line.
+    `SweepError`, with the line, if it cannot be read, has no rows, or a cell is no finite number.
     """
     of_parquet = file.suffix.lower() == ".parquet"
     try:

@@ -55,6 +55,11 @@ class Variable(names.Variable):
         return f"{self.variability} {self.causality}"
 
     @property
+    def hindrance(self) -> str:
+        """Why it cannot be set before a run; empty if it can."""
+        return self.obstacle or ("" if self.starts else f"is a {self.sort}, and cannot be set")
+
+    @property
     def changes(self) -> bool:
         """Whether it can be set in a run: an input, or a tunable parameter."""
         return self.causality == "input" or self.sort == "tunable parameter"
@@ -128,10 +133,7 @@ class Model:
 def read_model(path: Path | str) -> Model:
     """Read an FMU or an SSP file.
 
-    Raises
-    ------
-    SweepError
-        If it is neither, cannot be run here, or uses what a sweep does not support.
+    `SweepError` if it is neither, cannot be run here, or uses what a sweep does not support.
     """
     path = Path(path)
     try:
@@ -237,10 +239,8 @@ def _bound(
 ) -> Iterator[tuple[str, float]]:
     for name, (number, unit) in system.values.items():
         variable = variables.get(name)
-        why = variable.obstacle if variable else "is no variable of its FMU"
-        if variable and not why and not variable.starts:
-            why = f"is a {variable.sort}, and cannot be set"
-        if why or not variable:
+        if variable is None or variable.hindrance:
+            why = variable.hindrance if variable else "is no variable of its FMU"
             raise SweepError(f"{path}: gives a value to {name}, which {why}")
         try:
             value = in_unit(units, number, unit, variable.unit)

@@ -171,6 +171,11 @@ class Plan(Written):
         return {name: time for name in names if (time := getattr(self, name)) is not None}
 
     @property
+    def reduces(self) -> bool:
+        """Whether a result needs the samples on the way, and not the last one alone."""
+        return any(REDUCTIONS[name].whole for names in self.outputs.values() for name in names)
+
+    @property
     def as_json(self) -> dict[str, Any]:
         """What the results depend on, without the contents of tables."""
         return {
@@ -186,10 +191,7 @@ class Plan(Written):
 class PlanFile(DataFile):
     """A plan, `says`, with its place for refusals: a file, or what its TOML says.
 
-    Raises
-    ------
-    PlanError
-        If it cannot be read, is not TOML, or has a key or value that is none of a plan.
+    `PlanError` if it cannot be read, is not TOML, or has a key or value that is none of a plan.
     """
 
     def __init__(self, plan: Path | str | Mapping[str, Any]) -> None:

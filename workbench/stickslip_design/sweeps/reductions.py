@@ -7,7 +7,7 @@ taken to means as the score takes those of a curve, `stickslip_score.figures.fig
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Mapping
 from itertools import pairwise
 from typing import TYPE_CHECKING, Final, NamedTuple, TypeAlias
 
@@ -81,9 +81,9 @@ REDUCTIONS: Final[Mapping[str, Reduction]] = {
 """The reductions by name."""
 
 
-def reduces(outputs: Mapping[str, Iterable[str]]) -> bool:
-    """Whether a reduction of an output needs the samples on the way."""
-    return any(REDUCTIONS[name].whole for reductions in outputs.values() for name in reductions)
+def column_of(name: str, reduction: str) -> str:
+    """Return the name of a result: the variable for its last value, else variable.reduction."""
+    return name if reduction == "last" else f"{name}.{reduction}"
 
 
 def sticks(times: Floats, position: Floats) -> list[Stick]:

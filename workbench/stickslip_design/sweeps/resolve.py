@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from functools import partial
 
 import numpy as np
@@ -14,9 +14,8 @@ from ..ranges import BETWEEN, parse_range
 from .columns import Columns, read_columns
 from .model import Model, Variable
 from .plan import PlanFile, Scalar, is_tabular
-from .reductions import reduces
+from .reductions import column_of
 from .refusal import SweepError, in_unit, nearest, read_as
-from .runner import Job, column_of
 
 MOST_STEPS = 100_000_000
 """Communication steps of a run."""
@@ -26,38 +25,27 @@ _WHOLE = 1e-9
 """Of a step: by how much the last one may be off and still count as whole."""
 
 
-def resolve(
-    plan: PlanFile, model: Model
-) -> tuple[Job, tuple[NDArray[np.float64], ...], Mapping[str, str]]:
-    """Find what a plan names in a model.
+class Resolver:
+    """A plan for a model.
 
-    Returns
-    -------
-    tuple
-        What the runs have in common; the values of the swept variables in the order of the job,
-        those of a grid's axes or of the points; SHA-256 of the files of columns by their names.
-
-    Raises
-    ------
-    SweepError
-        A name that the model does not have, a variable that cannot be set or read, a value that is
-        none of it, a file of columns that cannot be used, times that do not go together.
+    Its methods raise a `SweepError` for a name that the model does not have, a variable that cannot
+    be set or read, a value that is none of it, a file of columns that cannot be used, times that do
+    not go together. `files` are the files of columns that were read, by name.
     """
-    resolver = _Resolver(plan, model)
-    job, axes = resolver.job()
-    return job, tuple(axes.values()), {name: one.digest for name, one in resolver.files.items()}
 
-
-class _Resolver:
     def __init__(self, plan: PlanFile, model: Model) -> None:
         self._plan, self._says, self._model = plan, plan.says, model
         self.files: dict[str, Columns] = {}
 
-    def job(self) -> tuple[Job, Mapping[str, NDArray[np.float64]]]:
-        """Return what the runs have in common, and the values of the swept variables by name."""
-        model, says = self._model, self._says
-        fixed, axes = dict(model.bound), dict[str, NDArray[np.float64]]()
-        by_table = {name: file for name, file in says.inputs.items() if is_tabular(file)}
+    def values(
+        self,
+    ) -> tuple[dict[str, float], dict[str, NDArray[np.float64]], dict[str, str]]:
+        """Return by name what all runs have, what each run sets, and the files of inputs.
+
+        The second are the axes of a grid or the columns of points.
+        """
+        says, fixed, by_table = self._says, dict(self._model.bound), dict[str, str]()
+        axes: dict[str, NDArray[np.float64]] = {}
         for table, entries in (("parameters", says.parameters), ("inputs", says.inputs)):
             for name, written in entries.items():
                 key = f"{table}.{name}"
@@ -66,6 +54,7 @@ class _Resolver:
                     if table == "parameters":
                         reason = f"{written!r}: a file goes with [inputs] or points"
                         raise self._plan.refused(key, reason)
+                    by_table[name] = written
                     continue
                 values = self._values(key, variable, written)
                 if isinstance(written, list) or values.size > 1:
@@ -75,25 +64,7 @@ class _Resolver:
         if says.points:
             axes = self._points(axes)
         fixed = {name: value for name, value in fixed.items() if name not in axes}
-        times, steps, settled = self._times(varying=bool(by_table))
-        tables = {name: self._table(name, file, times) for name, file in by_table.items()}
-        self._check_outputs({*axes, "failure"})
-        used = {*fixed, *axes, *by_table, *says.outputs}
-        used |= {name for wire in model.wires for name in (wire.output, wire.input)}
-        job = Job(
-            model.components,
-            {name: model.variables[name] for name in sorted(used)},
-            model.wires,
-            fixed,
-            tuple(axes),
-            tables,
-            times,
-            steps,
-            settled,
-            dict(says.outputs),
-            says.reset is not False,
-        )
-        return job, axes
+        return fixed, axes, by_table
 
     def _variable(self, key: str, name: str) -> Variable:
         variable = self._model.variables.get(name)
@@ -107,12 +78,10 @@ class _Resolver:
 
     def _to_set(self, key: str, name: str, *, is_input: bool) -> Variable:
         variable = self._variable(key, name)
-        reason = ""
+        reason = variable.hindrance
         if is_input and not variable.changes:
             remedy = "; it goes below [parameters]" if variable.starts else ""
             reason = f"is a {variable.sort}, and cannot be set during a run{remedy}"
-        elif not variable.starts:
-            reason = f"is a {variable.sort}, and cannot be set"
         for wire in self._model.wires:
             if wire.input == name:
                 reason = reason or f"is driven by {wire.output}, and cannot be set"
@@ -142,7 +111,8 @@ class _Resolver:
             return [read(value, variable.unit)]
         if in_list:
             raise QuantityError("is a range in a list; write one or the other")
-        return parse_range(value, variable.unit, read=read).values().tolist()
+        spaced = parse_range(value, variable.unit, read=read)
+        return [float(number) for number in spaced.values()]
 
     def _columns(self, key: str, name: str) -> Columns:
         if name not in self.files:
@@ -182,7 +152,7 @@ class _Resolver:
             raise self._plan.refused(key, reason) from None
         return numbers
 
-    def _times(self, *, varying: bool) -> tuple[NDArray[np.float64], NDArray[np.float64], int]:
+    def times(self, *, varying: bool) -> tuple[NDArray[np.float64], NDArray[np.float64], int]:
         """Return communication points, their steps, and the first point that is looked at."""
         plan, name = self._plan, self._model.path.name
         stated = {**self._model.experiment, **self._says.times}
@@ -193,7 +163,7 @@ class _Resolver:
         if not duration > 0.0:
             reason = f"{stop:g} s is not after start_time = {start:g} s"
             raise plan.refused("stop_time", reason)
-        samples = varying or self._model.wires or reduces(self._says.outputs)
+        samples = varying or self._model.wires or self._says.reduces
         if "step" not in stated and samples:
             raise SweepError(
                 f"{plan.path}: has no step, and {name} no default of it; write such as "
@@ -215,7 +185,7 @@ class _Resolver:
             raise plan.refused("settle", f"{settle:g} s is the whole run of {duration:g} s or more")
         return times, lengths, int(np.searchsorted(times, start + settle - _WHOLE * step))
 
-    def _table(self, name: str, file: str, times: NDArray[np.float64]) -> NDArray[np.float64]:
+    def table(self, name: str, file: str, times: NDArray[np.float64]) -> NDArray[np.float64]:
         """Return the values of an input at the beginnings of the communication steps."""
         key = f"inputs.{name}"
         columns = self._columns(key, file)
@@ -244,9 +214,9 @@ class _Resolver:
         found: NDArray[np.float64] = values[first] + share * (values[after] - values[first])
         return found
 
-    def _check_outputs(self, others: set[str]) -> None:
-        """Refuse two columns of a name in the results, in which there are `others`."""
-        taken = dict.fromkeys(others, "what is swept is")
+    def check_outputs(self, swept: Iterable[str]) -> None:
+        """Refuse two columns of a name in the results, where those of what is swept stand too."""
+        taken = dict.fromkeys((*swept, "failure"), "what is swept is")
         for name, reductions in self._says.outputs.items():
             key = f"outputs.{name}"
             self._variable(key, name)

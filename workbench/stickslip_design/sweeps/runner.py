@@ -9,8 +9,8 @@ from __future__ import annotations
 
 import contextlib
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,91 +19,41 @@ from stickslip_verification import FmuError
 from stickslip_verification.drive.fmu import names
 from stickslip_verification.drive.fmu.instance import FACES, FmuInstance
 
-from .model import Component, Variable, Wire
-from .reductions import REDUCTIONS, reduces
+from .reductions import REDUCTIONS
 
-
-@dataclass(frozen=True)
-class Job:
-    """All that runs have in common: resolved, and small enough to be sent to a process.
-
-    Attributes
-    ----------
-    components, variables, wires
-        The FMUs; the variables that are set, read or connected, by name; the connections.
-    fixed
-        Values that all runs have, by name, in the FMU's units.
-    swept
-        Names of the variables that each run sets, in the order of its values.
-    tables
-        Inputs from files, by name: a value for each communication step, set before it.
-    times, steps
-        Communication points [s], shape (steps + 1,), and communication steps [s], shape (steps,).
-    settled
-        Index of the first communication point that reductions see.
-    outputs
-        Names of reductions by variable.
-    reset
-        Whether an instance does run after run, reset between.
-    """
-
-    components: tuple[Component, ...]
-    variables: Mapping[str, Variable]
-    wires: tuple[Wire, ...]
-    fixed: Mapping[str, float]
-    swept: tuple[str, ...]
-    tables: Mapping[str, NDArray[np.float64]]
-    times: NDArray[np.float64]
-    steps: NDArray[np.float64]
-    settled: int
-    outputs: Mapping[str, tuple[str, ...]]
-    reset: bool = True
-
-    @property
-    def results(self) -> list[tuple[str, str]]:
-        """Variable and reduction of each result of a run, in order."""
-        return [(name, one) for name, reductions in self.outputs.items() for one in reductions]
-
-    @property
-    def columns(self) -> tuple[str, ...]:
-        """Names of the results."""
-        return tuple(column_of(*result) for result in self.results)
-
-
-def column_of(name: str, reduction: str) -> str:
-    """Return the name of a result: the variable for its last value, else variable.reduction."""
-    return name if reduction == "last" else f"{name}.{reduction}"
+if TYPE_CHECKING:
+    from .study import Sweep
 
 
 class _File:
     """An unpacked FMU as an instance of `stickslip_verification.drive` takes it."""
 
-    def __init__(self, job: Job, index: int, folder: Path) -> None:
-        component = job.components[index]
+    def __init__(self, study: Sweep, index: int, folder: Path) -> None:
+        component = study.components[index]
         self.path, self.folder = Path(component.name), folder
         self.token, self.model_identifier = component.token, component.identifier
         self.variables: Mapping[str, names.Variable] = {
-            one.name: one for one in job.variables.values() if one.component == index
+            one.name: one for one in study.variables.values() if one.component == index
         }
 
 
 class Runner:
-    """Does the runs of a job, whose FMUs are in folders; `FmuError` if one cannot be loaded."""
+    """Does the runs of a sweep, whose FMUs are in folders; `FmuError` if one cannot be loaded."""
 
-    def __init__(self, job: Job, folders: Sequence[Path]) -> None:
-        self.job, self._folders, self._reduces = job, folders, reduces(job.outputs)
+    def __init__(self, study: Sweep, folders: Sequence[Path]) -> None:
+        self.study, self._folders, self._reduces = study, folders, study.reduces
         self._instances: list[FmuInstance] = []
         self._used = False
         self._instantiate()
 
     def run(self, values: NDArray[np.float64]) -> list[float]:
-        """Do a run with these values, and return its results in the order of the job's columns.
+        """Do a run with these values, and return its results in the order of the sweep's columns.
 
         A run that fails in an instance that has been used before is done again in a new one, so
         that its result depends on its values alone, as does the text of an `FmuError`.
         """
         if self._used:
-            if self.job.reset:
+            if self.study.reset:
                 with contextlib.suppress(FmuError):
                     for instance in self._instances:
                         instance.reset()
@@ -126,20 +76,20 @@ class Runner:
 
     def _instantiate(self) -> None:
         self.close()
-        job = self.job
-        for index, component in enumerate(job.components):
-            file = _File(job, index, self._folders[index])
+        study = self.study
+        for index, component in enumerate(study.components):
+            file = _File(study, index, self._folders[index])
             self._instances.append(FACES[component.fmi_version](file))
         self._used = False
-        self._set_start = self._writer([*job.fixed, *job.swept])
-        self._set_tables = self._writer([*job.tables])
-        self._set_wired = self._writer([wire.input for wire in job.wires])
-        self._read_wired = self._reader([wire.output for wire in job.wires])
-        self._read_outputs = self._reader([*job.outputs])
+        self._set_start = self._writer([*study.fixed, *study.swept])
+        self._set_tables = self._writer([*study.tables])
+        self._set_wired = self._writer([wire.input for wire in study.wires])
+        self._read_wired = self._reader([wire.output for wire in study.wires])
+        self._read_outputs = self._reader([*study.outputs])
 
     def _parts(self, called: Sequence[str]) -> list[tuple[FmuInstance, list[int]]]:
         """Return the instances that have some of these variables, with the places of the names."""
-        homes = [self.job.variables[name].component for name in called]
+        homes = [self.study.variables[name].component for name in called]
         return [
             (instance, [place for place, home in enumerate(homes) if home == index])
             for index, instance in enumerate(self._instances)
@@ -172,18 +122,18 @@ class Runner:
         return readers[0] if len(readers) == 1 else read
 
     def _run(self, values: NDArray[np.float64]) -> list[float]:
-        job, samples = self.job, list[list[float]]()
-        self._set_start([*job.fixed.values(), *values.tolist()])
+        study, samples = self.study, list[list[float]]()
+        self._set_start([*study.fixed.values(), *values.tolist()])
         self._follow_tables(0)
         for instance in self._instances:
-            instance.enter(float(job.times[0]))
+            instance.enter(float(study.times[0]))
         for _ in self._instances:
             self._hand_on()
         for instance in self._instances:
             instance.leave()
-        starts = job.times[:-1].tolist()
-        for index, (time, step) in enumerate(zip(starts, job.steps.tolist(), strict=True)):
-            if self._reduces and index >= job.settled:
+        starts = study.times[:-1].tolist()
+        for index, (time, step) in enumerate(zip(starts, study.steps.tolist(), strict=True)):
+            if self._reduces and index >= study.settled:
                 samples.append(self._read_outputs())
             self._hand_on()
             self._follow_tables(index)
@@ -192,22 +142,22 @@ class Runner:
         samples.append(self._read_outputs())
         if not self._reduces:
             return samples[-1]
-        columns = dict(zip(job.outputs, np.array(samples).T, strict=True))
-        times = job.times[-len(samples) :]
-        return [REDUCTIONS[reduction].of(times, columns[name]) for name, reduction in job.results]
+        columns = dict(zip(study.outputs, np.array(samples).T, strict=True))
+        times = study.times[-len(samples) :]
+        return [REDUCTIONS[reduction].of(times, columns[name]) for name, reduction in study.results]
 
     def _follow_tables(self, index: int) -> None:
-        if self.job.tables:
-            self._set_tables([float(values[index]) for values in self.job.tables.values()])
+        if self.study.tables:
+            self._set_tables([float(values[index]) for values in self.study.tables.values()])
 
     def _hand_on(self) -> None:
-        if wires := self.job.wires:
+        if wires := self.study.wires:
             outputs = zip(wires, self._read_wired(), strict=True)
             self._set_wired([wire.factor * value + wire.offset for wire, value in outputs])
 
     def _without_names(self, said: str) -> str:
         """Return a message without what differs from process to process."""
-        for instance, component in zip(self._instances, self.job.components, strict=True):
+        for instance, component in zip(self._instances, self.study.components, strict=True):
             said = said.replace(instance._name, component.name)
         for folder in self._folders:
             said = said.replace(str(folder), "")

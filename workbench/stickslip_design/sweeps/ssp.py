@@ -66,13 +66,7 @@ _Node = tuple[str, str]
 
 
 def read_system(path: Path) -> System:
-    """Read the structure of an SSP file.
-
-    Raises
-    ------
-    SweepError
-        If it is no SSP file, or uses what a sweep does not support.
-    """
+    """Read an SSP file; `SweepError` if it is none, or uses what a sweep does not support."""
     from fmpy.ssp.ssd import read_ssd
 
     if not path.is_file():

@@ -19,11 +19,10 @@ from numpy.typing import NDArray
 from ..chunks import Columns, Progress, Results, run
 from ..datasets import digest_of, need, provenance, write_grid, write_points
 from .host import Host
-from .model import Model, read_model
+from .model import Component, Model, Variable, Wire, read_model
 from .plan import TIME_LIMIT, PlanFile
-from .reductions import REDUCTIONS
-from .resolve import resolve
-from .runner import Job
+from .reductions import REDUCTIONS, column_of
+from .resolve import Resolver
 
 if TYPE_CHECKING:
     import xarray
@@ -46,26 +45,60 @@ class Sweep:
 
     Attributes
     ----------
-    job, identity
-        What the runs have in common, and all that the results depend on.
-    values, on_grid
-        Values of the swept variables: columns of points, or axes of a grid, whose points are all
-        combinations of them, the last one running fastest.
-    time_limit
-        Seconds that a run may take.
     content, is_system
         The bytes of the model's file, and whether it is an SSP file.
+    components, variables, wires
+        The FMUs; the variables that are set, read or connected, by name; the connections.
+    fixed
+        Values that all runs have, by name, in the FMU's units.
+    swept, values, on_grid
+        Names of the variables that each run sets, and their values: columns of points, or axes of a
+        grid, whose points are all combinations of them, the last one running fastest.
+    tables
+        Inputs from files, by name: a value for each communication step, set before it.
+    times, steps, settled
+        Communication points [s], shape (steps + 1,), and communication steps [s], shape (steps,);
+        index of the first communication point that reductions see.
+    outputs, reduces
+        Names of reductions by variable, and whether one needs the samples on the way.
+    time_limit
+        Seconds that a run may take.
+    reset
+        Whether an instance does run after run, reset between.
+    identity
+        All that the results depend on.
     """
 
-    job: Job
-    values: tuple[NDArray[np.float64], ...]
-    on_grid: bool
-    identity: Mapping[str, Any]
-    time_limit: float
     content: bytes = field(repr=False)
     is_system: bool
+    components: tuple[Component, ...]
+    variables: Mapping[str, Variable]
+    wires: tuple[Wire, ...]
+    fixed: Mapping[str, float]
+    swept: tuple[str, ...]
+    values: tuple[NDArray[np.float64], ...]
+    on_grid: bool
+    tables: Mapping[str, NDArray[np.float64]]
+    times: NDArray[np.float64]
+    steps: NDArray[np.float64]
+    settled: int
+    outputs: Mapping[str, tuple[str, ...]]
+    reduces: bool
+    time_limit: float
+    reset: bool
+    identity: Mapping[str, Any]
 
     quantum = 1
+
+    @property
+    def results(self) -> list[tuple[str, str]]:
+        """Variable and reduction of each result of a run, in order."""
+        return [(name, one) for name, reductions in self.outputs.items() for one in reductions]
+
+    @property
+    def columns(self) -> tuple[str, ...]:
+        """Names of the results."""
+        return tuple(column_of(*result) for result in self.results)
 
     @property
     def shape(self) -> tuple[int, ...]:
@@ -89,14 +122,11 @@ class Sweep:
     def compute(self, start: int, stop: int) -> Columns:
         """Do the runs from `start` up to but not including `stop`.
 
-        Raises
-        ------
-        SweepError
-            If the model cannot be loaded here.
+        `SweepError` if the model cannot be loaded here.
         """
         with _host(self) as host:
             results, failures = host.runs(self.rows(start, stop))
-        names = enumerate(self.job.columns)
+        names = enumerate(self.columns)
         columns: Columns = {name: results[:, place].copy() for place, name in names}
         return {**columns, FAILURE: np.array(failures, dtype=np.str_)}
 
@@ -109,11 +139,11 @@ _HOSTS: dict[str, Host] = {}
 @contextmanager
 def _host(study: Sweep) -> Iterator[Host]:
     """Lend the host that did other runs of the sweep in this process, or a new one."""
-    key = digest_of({**study.identity, "reset": study.job.reset})
+    key = digest_of({**study.identity, "reset": study.reset})
     with _LOCK:
         if key not in _HOSTS:
             _release()
-            _HOSTS[key] = Host(study.job, study.content, study.is_system, study.time_limit)
+            _HOSTS[key] = Host(study)
         try:
             yield _HOSTS[key]
         except BaseException:
@@ -139,19 +169,41 @@ def prepare(model: Model | Path | str, plan: Path | str | Mapping[str, Any]) -> 
     if not isinstance(model, Model):
         model = read_model(model)
     file = PlanFile(plan)
-    job, values, digests = resolve(file, model)
-    identity = {
-        "study": "sweep",
-        "model": model.path.name,
-        "model_digest": sha256(model.content).hexdigest(),
-        "plan": file.says.as_json,
-        # A digest does not see in which order a plan has them.
-        "axes": list(job.swept),
-        "tables": dict(digests),
-    }
-    limit = file.says.times.get("time_limit", TIME_LIMIT)
-    on_grid = not file.says.points
-    return Sweep(job, values, on_grid, identity, limit, model.content, model.is_system)
+    says, resolver = file.says, Resolver(file, model)
+    fixed, axes, by_table = resolver.values()
+    times, steps, settled = resolver.times(varying=bool(by_table))
+    tables = {name: resolver.table(name, of, times) for name, of in by_table.items()}
+    resolver.check_outputs(axes)
+    used = {*fixed, *axes, *by_table, *says.outputs}
+    used |= {name for wire in model.wires for name in (wire.output, wire.input)}
+    return Sweep(
+        content=model.content,
+        is_system=model.is_system,
+        components=model.components,
+        variables={name: model.variables[name] for name in sorted(used)},
+        wires=model.wires,
+        fixed=fixed,
+        swept=tuple(axes),
+        values=tuple(axes.values()),
+        on_grid=not says.points,
+        tables=tables,
+        times=times,
+        steps=steps,
+        settled=settled,
+        outputs=dict(says.outputs),
+        reduces=says.reduces,
+        time_limit=says.times.get("time_limit", TIME_LIMIT),
+        reset=says.reset is not False,
+        identity={
+            "study": "sweep",
+            "model": model.path.name,
+            "model_digest": sha256(model.content).hexdigest(),
+            "plan": says.as_json,
+            # A digest does not see in which order a plan has them.
+            "axes": list(axes),
+            "tables": {name: columns.digest for name, columns in resolver.files.items()},
+        },
+    )
 
 
 def tried(study: Sweep) -> Sweep:
@@ -161,14 +213,17 @@ def tried(study: Sweep) -> Sweep:
     in a new instance: where it has other bits the second time, something outlived the reset. Of
     long runs only the first steps are tried. `SweepError` if the model cannot be loaded.
     """
-    job = study.job
-    steps = job.steps[:_STEPS_OF_TRIAL]
-    times, settled = job.times[: steps.size + 1], min(job.settled, steps.size)
-    short = replace(job, times=times, steps=steps, settled=settled)
+    steps = study.steps[:_STEPS_OF_TRIAL]
     places = sorted({0, study.count // 2, study.count - 1})
     rows = np.concatenate([study.rows(place, place + 1) for place in (*places, *places)])
-    limit = min(study.time_limit, _LONGEST_TRIAL)
-    host = Host(short, study.content, study.is_system, limit)
+    short = replace(
+        study,
+        times=study.times[: steps.size + 1],
+        steps=steps,
+        settled=min(study.settled, steps.size),
+        time_limit=min(study.time_limit, _LONGEST_TRIAL),
+    )
+    host = Host(short)
     try:
         results, failures = host.runs(rows)
     finally:
@@ -176,7 +231,7 @@ def tried(study: Sweep) -> Sweep:
     first = failures.index("") if "" in failures[: len(places)] else 0
     again = first + len(places)
     works = not failures[again] and results[first].tobytes() == results[again].tobytes()
-    return study if works else replace(study, job=replace(job, reset=False))
+    return study if works else replace(study, reset=False)
 
 
 def sweep(
@@ -236,7 +291,7 @@ def computed(
     if folder is not None:
         need("zarr" if study.on_grid else "pyarrow")
         folder = str(folder if "://" in str(folder) else Path(folder))
-    if study.job.reset:
+    if study.reset:
         study = tried(study)
     try:
         results = run(study, None if folder is None else f"{folder}/{CHUNKS}")
@@ -255,22 +310,24 @@ def file_of(study: Sweep) -> str:
 
 
 def _dataset(study: Sweep, columns: Columns) -> xarray.Dataset:
-    job, variables = study.job, study.job.variables
+    variables = study.variables
     about = {}
-    for (name, reduction), column in zip(job.results, job.columns, strict=True):
+    for (name, reduction), column in zip(study.results, study.columns, strict=True):
         of, text = REDUCTIONS[reduction], variables[name].description or name
         if reduction != "last":
             text = f"{text}: {of.meaning}"
         about[column] = {"units": of.unit or variables[name].unit, "long_name": text}
     about[FAILURE] = {"long_name": "why the run failed"}
     coordinates = {}
-    for name, values in zip(job.swept, study.values, strict=True):
+    for name, values in zip(study.swept, study.values, strict=True):
         meant = {"units": variables[name].unit, "long_name": variables[name].description or name}
         coordinates[name] = (name if study.on_grid else POINT, values, meant)
-    fixed = {name: f"{value!r} {variables[name].unit}".strip() for name, value in job.fixed.items()}
+    fixed = {
+        name: f"{value!r} {variables[name].unit}".strip() for name, value in study.fixed.items()
+    }
     # Texts of any length have a specification in zarr.
     columns = {**columns, FAILURE: columns[FAILURE].astype(object)}
-    dims = job.swept if study.on_grid else (POINT,)
+    dims = study.swept if study.on_grid else (POINT,)
     dataset: xarray.Dataset = need("xarray").Dataset(
         {name: (dims, columns[name].reshape(study.shape), about[name]) for name in columns},
         coords=coordinates,
