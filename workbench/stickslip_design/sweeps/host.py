@@ -15,7 +15,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 from multiprocessing.connection import wait
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Final, TypeAlias
+from typing import Any, Final, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,9 +26,7 @@ from stickslip_verification.drive.processes import LostError, Worker
 
 from .refusal import SweepError
 from .runner import Runner
-
-if TYPE_CHECKING:
-    from .study import Sweep
+from .runs import Runs
 
 _STARTING: Final = 60.0
 """Seconds that loading the FMUs may take, beside the time limit of a run."""
@@ -44,7 +42,7 @@ _Result: TypeAlias = tuple[list[float], str]
 class Host:
     """Does runs of a sweep in a process of its own; `SweepError` if FMUs cannot be unpacked."""
 
-    def __init__(self, study: Sweep) -> None:
+    def __init__(self, study: Runs) -> None:
         # The process needs neither the archive nor all values.
         self._study, self._limit = replace(study, content=b"", values=()), study.time_limit
         self._worker: Worker | None = None
@@ -124,7 +122,7 @@ class Host:
         raise LostError(late if "SIGALRM" in reason else reason)
 
 
-def _unpacked(study: Sweep, folder: Path) -> list[Path]:
+def _unpacked(study: Runs, folder: Path) -> list[Path]:
     """Unpack the FMUs of the components, and return where each is."""
     archive, system = folder / "model", folder / "system"
     archive.write_bytes(study.content)
@@ -148,7 +146,7 @@ def _begin(limit: float) -> None:
         signal.signal(signal.SIGALRM, signal.SIG_DFL)
 
 
-def _load(study: Sweep, folders: Sequence[Path]) -> str:
+def _load(study: Runs, folders: Sequence[Path]) -> str:
     try:
         _STATE.append(Runner(study, folders))
     except FmuError as error:

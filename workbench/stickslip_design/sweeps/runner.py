@@ -10,7 +10,6 @@ from __future__ import annotations
 import contextlib
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,15 +19,13 @@ from stickslip_verification.drive.fmu import names
 from stickslip_verification.drive.fmu.instance import FACES, FmuInstance
 
 from .reductions import REDUCTIONS
-
-if TYPE_CHECKING:
-    from .study import Sweep
+from .runs import Runs
 
 
 class _File:
     """An unpacked FMU as an instance of `stickslip_verification.drive` takes it."""
 
-    def __init__(self, study: Sweep, index: int, folder: Path) -> None:
+    def __init__(self, study: Runs, index: int, folder: Path) -> None:
         component = study.components[index]
         self.path, self.folder = Path(component.name), folder
         self.token, self.model_identifier = component.token, component.identifier
@@ -40,7 +37,7 @@ class _File:
 class Runner:
     """Does the runs of a sweep, whose FMUs are in folders; `FmuError` if one cannot be loaded."""
 
-    def __init__(self, study: Sweep, folders: Sequence[Path]) -> None:
+    def __init__(self, study: Runs, folders: Sequence[Path]) -> None:
         self.study, self._folders, self._reduces = study, folders, study.reduces
         self._instances: list[FmuInstance] = []
         self._used = False
