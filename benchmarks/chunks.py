@@ -10,12 +10,12 @@ import time
 from collections import deque
 from collections.abc import Iterator
 from concurrent.futures import Future
-from contextlib import contextmanager
+from contextlib import closing, contextmanager
 from pathlib import Path
 
 from benchmarks.settings import Busy
-from stickslip_design.chunks.executors import Workers, cluster, processes
-from stickslip_design.chunks.manifest import STUDY, begun, manifest_of
+from stickslip_design.chunks.executors import Processes, Workers, cluster
+from stickslip_design.chunks.manifest import STUDY, begun, key_of, manifest_of
 from stickslip_design.chunks.store import store_of
 from stickslip_design.chunks.study import Chunk
 from stickslip_design.chunks.work import Done, compute, work
@@ -33,14 +33,14 @@ def measure_chunks() -> tuple[float, float, float]:
         study = Busy(CHUNKS)
         store, manifest = store_of(str(folder / "study")), manifest_of(study)
         store.write(STUDY, pickle.dumps(study))
-        of = store.address, manifest.key
+        of = store.address, key_of(manifest)
         chunks = [Chunk(start, start + 1) for start in range(CHUNKS)]
         with begun(store, manifest, fresh=False):
             begin = time.perf_counter()
             for chunk in chunks:
-                compute(store, study, manifest.key, chunk)
+                compute(store, study, key_of(manifest), chunk)
             here = (time.perf_counter() - begin) / CHUNKS
-            with processes(1) as workers:
+            with closing(Processes(1)) as workers:
                 process = _time_of_a_chunk(workers, of, chunks, 1)
             with _dask(folder) as address, cluster(address) as workers:
                 dask = _time_of_a_chunk(workers, of, chunks, AHEAD)

@@ -36,10 +36,10 @@ def test_values_are_in_the_units_of_the_model(block: Model, tmp_path: Path) -> N
         """
     study = planned(HEAD + text + TAIL, block, tmp_path)
     assert study.on_grid
-    assert study.job.swept == ("k", "mu_s", "v")
+    assert study.swept == ("k", "mu_s", "v")
     np.testing.assert_allclose(study.values[0], [500.0, 1000.0, 2000.0], rtol=1e-15)
     assert [each.tolist() for each in study.values[1:]] == [[0.4, 0.5], [0.02, 0.03]]
-    assert study.job.fixed == {"m": 0.9}
+    assert study.fixed == {"m": 0.9}
 
 
 @pytest.mark.parametrize(
@@ -54,10 +54,10 @@ def test_values_are_in_the_units_of_the_model(block: Model, tmp_path: Path) -> N
 def test_steps_are_even_with_a_shorter_last_one(
     text: str, ends: list[float], steps: list[float], settled: int, block: Model, tmp_path: Path
 ) -> None:
-    job = planned(text + TAIL, block, tmp_path).job
-    assert job.times[[0, -1]].tolist() == ends
-    np.testing.assert_allclose(job.steps, steps, rtol=1e-12)  # roundings of the sum
-    assert job.settled == settled
+    study = planned(text + TAIL, block, tmp_path)
+    assert study.times[[0, -1]].tolist() == ends
+    np.testing.assert_allclose(study.steps, steps, rtol=1e-12)  # roundings of the sum
+    assert study.settled == settled
 
 
 POINTS = {
@@ -109,7 +109,7 @@ def test_points_are_read_in_their_units_and_what_the_plan_holds_is_the_same_for_
     study = planned(text, block, tmp_path)
     assert not study.on_grid
     assert [each.tolist() for each in study.values] == [[500.0, 2000.0], [0.01, 0.02]]
-    assert study.job.fixed == {"m": 2.0}
+    assert study.fixed == {"m": 2.0}
 
 
 @pytest.mark.parametrize(

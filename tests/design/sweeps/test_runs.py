@@ -89,8 +89,8 @@ def test_reductions_are_those_of_the_samples_after_settling(
 
 def test_a_reset_that_forgets_nothing_is_not_used(troubled: Path) -> None:
     keeps = planned(parameters={"on": True, "gain": [1.0, 2.0]}, outputs={"runs": "last"})
-    assert not tried(prepare(troubled, keeps)).job.reset
-    assert tried(prepare(troubled, planned(parameters={"trouble": [4, 0, 2]}))).job.reset
+    assert not tried(prepare(troubled, keeps)).reset
+    assert tried(prepare(troubled, planned(parameters={"trouble": [4, 0, 2]}))).reset
 
 
 def test_a_reset_gives_the_bits_of_a_new_instance(fmu_path: Path) -> None:

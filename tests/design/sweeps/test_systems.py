@@ -36,10 +36,10 @@ def test_a_system_moves_to_the_bit_as_in_the_loop_of_the_example(feed_axis: Path
 def test_values_of_the_file_hold_unless_the_plan_has_others(
     feed_axis: Path, tmp_path: Path
 ) -> None:
-    job = prepare(feed_axis, PLAN).job
-    assert (job.fixed["table.k"], job.fixed["drive.feed"]) == (4e7, 2e-3)
-    assert "table.m" not in job.fixed
-    assert [wire.input for wire in job.wires] == ["table.v", "drive.F", "drive.x"]
+    study = prepare(feed_axis, PLAN)
+    assert (study.fixed["table.k"], study.fixed["drive.feed"]) == (4e7, 2e-3)
+    assert "table.m" not in study.fixed
+    assert [wire.input for wire in study.wires] == ["table.v", "drive.F", "drive.x"]
     points = tmp_path / "points.csv"
     points.write_text("table.k [N/um], table.m [t]\n40, 0.5\n", encoding="utf-8")
     plan = {**PLAN, "parameters": {}, "points": str(points)}

@@ -24,8 +24,7 @@ from typing import Any, Final, TypeVar
 from stickslip_verification.drive.processes import discard_prints, fast_context
 
 from ..datasets import ExtraMissingError, need
-from .study import StudyError
-from .work import reason
+from .study import StudyError, reason
 
 _PATIENCE: Final = 4.5
 """Seconds in which a scheduler must answer."""
@@ -47,20 +46,14 @@ def cores() -> int:
 class Workers:
     """An executor, and who is behind it.
 
-    Attributes
-    ----------
-    count
-        How many chunks can be computed at once.
-    at_once
-        How many chunks are given at once.
-    note
-        What the person should know; empty as a rule.
+    `count` chunks can be computed at once, and `at_once` are given at once; `note` is what the
+    person should know, empty as a rule.
     """
 
-    def __init__(self, executor: Executor, count: int) -> None:
-        self._executor = executor
-        self.count = self.at_once = count
-        self.note = ""
+    executor: Executor
+    count = 1
+    at_once = 1
+    note = ""
 
     def look(self) -> None:
         """Bring the attributes up to date; `CancelledError` if there are no workers any more."""
@@ -68,7 +61,7 @@ class Workers:
     def submit(self, function: Callable[..., T], *arguments: object) -> Future[T]:
         """Have a function called; what is in the way of that is the future's exception."""
         try:
-            return self._executor.submit(function, *arguments)
+            return self.executor.submit(function, *arguments)
         # One that is broken or has ended raises the latter.
         except (OSError, RuntimeError) as error:
             broken: Future[T] = Future()
@@ -79,30 +72,31 @@ class Workers:
         """Go on after the executor broke; that of a cluster goes on by itself."""
 
 
-class _Processes(Workers):
+class Processes(Workers):
     """Processes of this machine; each is started when there is a chunk for it.
 
-    They hold one end of a pipe, and end with the other one: with `end`, or when this process does.
+    They hold one end of a pipe, and end with the other one: with `close`, or when this process
+    does.
     """
 
     def __init__(self, count: int) -> None:
-        self._life, executor = _pool(count)
-        super().__init__(executor, count)
+        self.count = self.at_once = count
+        self._start()
+
+    def _start(self) -> None:
+        context = fast_context()
+        end, self._life = context.Pipe(duplex=False)
+        self.executor = ProcessPoolExecutor(self.count, context, _begin, (end,))
 
     def renew(self) -> None:
-        self.end()
-        self._life, self._executor = _pool(self.count)
+        """Start anew, after the processes and what they compute have ended."""
+        self.close()
+        self._start()
 
-    def end(self) -> None:
+    def close(self) -> None:
         """End the processes and what they compute."""
         self._life.close()
-        self._executor.shutdown(cancel_futures=True)
-
-
-def _pool(count: int) -> tuple[Connection, ProcessPoolExecutor]:
-    context = fast_context()
-    theirs, ours = context.Pipe(duplex=False)
-    return ours, ProcessPoolExecutor(count, context, _begin, (theirs,))
+        self.executor.shutdown(cancel_futures=True)
 
 
 def _begin(life: Connection) -> None:
@@ -117,21 +111,11 @@ def _begin(life: Connection) -> None:
     threading.Thread(target=follow, daemon=True).start()
 
 
-@contextmanager
-def processes(count: int) -> Iterator[Workers]:
-    """Give worker processes of this machine; they end with the block."""
-    workers = _Processes(count)
-    try:
-        yield workers
-    finally:
-        workers.end()
-
-
 class _Cluster(Workers):
     """The workers of a dask scheduler; it gives the chunk of a dead one to another."""
 
     def __init__(self, client: Any, address: str) -> None:
-        super().__init__(client.get_executor(pure=False), 1)
+        self.executor = client.get_executor(pure=False)
         self._client, self._address = client, address
         self._looked = -_LOOK
 
@@ -162,10 +146,7 @@ class _Cluster(Workers):
 def cluster(address: str) -> Iterator[Workers]:
     """Give the workers of a dask scheduler; at the end of the block, no chunk is asked of them.
 
-    Raises
-    ------
-    StudyError
-        If the extra `cluster` is not installed, or no scheduler answers within 10 s.
+    `StudyError` if the extra `cluster` is not installed, or no scheduler answers within 10 s.
     """
     try:
         distributed = need("distributed", "cluster")

@@ -1,20 +1,23 @@
-"""The manifest of a folder: which study it holds, made with which versions."""
+"""The manifest of a folder: which study it holds, made with which versions.
+
+It is JSON: all that the results depend on, as `identity`, `versions`, `count` and `quantum`, and
+how the study was begun.
+"""
 
 from __future__ import annotations
 
 import json
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager, suppress
-from dataclasses import asdict, dataclass, replace
 from datetime import UTC, datetime
 from functools import cache
 from hashlib import sha256
 from importlib.util import find_spec
 from pathlib import Path
-from typing import Any, Final
+from typing import Any, Final, TypeAlias
 
 from ..datasets import digest_of, provenance, versions
-from .chunk import chunk_of
+from .results import chunk_of
 from .store import LOCK, PART, Store
 from .study import Study, StudyError
 
@@ -23,6 +26,7 @@ STUDY: Final = "study.pickle"
 """The file of the study itself, which the workers read."""
 
 _FORMAT: Final = "stickslip study 1"
+_FIELDS: Final = {"format", "identity", "versions", "count", "quantum", "command", "begun"}
 _PACKAGES: Final = (
     *("fmi", "stickslip_design", "stickslip_fmu", "stickslip_native"),
     *("stickslip_ref", "stickslip_score", "stickslip_verification"),
@@ -33,52 +37,28 @@ _SHOWN: Final = 3
 _LONGEST: Final = 60
 """Characters of a value that a refusal shows."""
 
-
-@dataclass(frozen=True)
-class Manifest:
-    """What a folder says of its study: all that its results depend on, and how it was begun."""
-
-    identity: Mapping[str, Any]
-    versions: Mapping[str, str]
-    count: int
-    quantum: int
-    command: str
-    begun: str
-
-    @property
-    def key(self) -> str:
-        """Digest of all that the results depend on."""
-        return digest_of(self._decisive)
-
-    @property
-    def _decisive(self) -> dict[str, Any]:
-        points = {"count": self.count, "quantum": self.quantum}
-        return {"inputs": self.identity, "versions": self.versions, "points": points}
-
-    def changes(self, new: Manifest) -> str:
-        """Return in what another study or its versions differ, in words; empty if in nothing."""
-        was, now = (dict(_leaves(manifest._decisive)) for manifest in (self, new))
-        words = [
-            f"{name} is {_shown(now.get(name))} and was {_shown(was.get(name))}"
-            for name in {**now, **was}
-            if now.get(name) != was.get(name)
-        ]
-        more = f", and {len(words) - _SHOWN} more" if len(words) > _SHOWN else ""
-        return "; ".join(words[:_SHOWN]) + more
-
-    def with_versions_here(self) -> Manifest:
-        """Return it as made with what is installed here, and a digest of our own sources."""
-        return replace(self, versions={**versions(), "sources": _sources()})
+Manifest: TypeAlias = Mapping[str, Any]
 
 
 def manifest_of(study: Study) -> Manifest:
     """Return the manifest of a study, with the versions that are installed here."""
-    # As a file gives it back: no tuples, every number as JSON writes it.
-    identity = json.loads(json.dumps(study.identity))
-    command = provenance({})["command"]
-    now = datetime.now(UTC).isoformat(timespec="seconds")
-    made = Manifest(identity, {}, study.count, study.quantum, command, now)
-    return made.with_versions_here()
+    return with_versions(
+        {
+            "format": _FORMAT,
+            # As a file gives it back: no tuples, every number as JSON writes it.
+            "identity": json.loads(json.dumps(study.identity)),
+            "versions": {},
+            "count": study.count,
+            "quantum": study.quantum,
+            "command": provenance({})["command"],
+            "begun": datetime.now(UTC).isoformat(timespec="seconds"),
+        }
+    )
+
+
+def with_versions(manifest: Manifest) -> Manifest:
+    """Return it as made with what is installed here, and a digest of our own sources."""
+    return {**manifest, "versions": {**versions(), "sources": _sources()}}
 
 
 @cache
@@ -97,6 +77,25 @@ def _sources() -> str:
     return digest.hexdigest()[:16]
 
 
+def _decisive(manifest: Manifest) -> dict[str, Any]:
+    points = {name: manifest[name] for name in ("count", "quantum")}
+    return {"inputs": manifest["identity"], "versions": manifest["versions"], "points": points}
+
+
+def key_of(manifest: Manifest) -> str:
+    """Return the digest of all that the results depend on."""
+    return digest_of(_decisive(manifest))
+
+
+def changes(old: Manifest, new: Manifest) -> str:
+    """Return in what another study or its versions differ, in words; empty if in nothing."""
+    was, now = (dict(_leaves(_decisive(manifest))) for manifest in (old, new))
+    names = [name for name in {**now, **was} if now.get(name) != was.get(name)]
+    words = [f"{name} is {_shown(now, name)} and was {_shown(was, name)}" for name in names]
+    more = f", and {len(words) - _SHOWN} more" if len(words) > _SHOWN else ""
+    return "; ".join(words[:_SHOWN]) + more
+
+
 def _leaves(value: Any, name: str = "") -> Iterator[tuple[str, str]]:
     """Give the values of nested JSON in their order, each as text with its path."""
     if isinstance(value, Mapping) and value:
@@ -106,42 +105,31 @@ def _leaves(value: Any, name: str = "") -> Iterator[tuple[str, str]]:
         yield name, json.dumps(value)
 
 
-def _shown(text: str | None) -> str:
-    if text is None:
-        return "not given"
+def _shown(values: Mapping[str, str], name: str) -> str:
+    text = values.get(name, "not given")
     return text if len(text) <= _LONGEST else f"{text[: _LONGEST - 3]}..."
 
 
 def read_manifest(store: Store) -> Manifest | None:
-    """Return the manifest of a store; None if there is none.
-
-    Raises
-    ------
-    StudyError
-        If the file of its name is none.
-    """
+    """Return the manifest of a store, None if there is none; `StudyError` if its file is none."""
     try:
         content = json.loads(store.read(MANIFEST))
-        if content.pop("format") != _FORMAT:
-            raise ValueError
-        return Manifest(**content)
     except (FileNotFoundError, NotADirectoryError):
         return None
-    except (ValueError, KeyError, TypeError, AttributeError) as error:
+    except ValueError:
+        content = None
+    if not isinstance(content, dict) or content.keys() != _FIELDS or content["format"] != _FORMAT:
         raise StudyError(
             f"{store.address}: its {MANIFEST} is not one of a study; name another folder"
-        ) from error
+        )
+    return content
 
 
 @contextmanager
 def begun(store: Store, new: Manifest, *, fresh: bool) -> Iterator[None]:
-    """Lock a store that holds this study: the same one resumes, another is refused or removed.
+    """Lock a store that holds this study: the same one resumes, another is removed if `fresh`.
 
-    Raises
-    ------
-    StudyError
-        If it holds other files, or another study, or one of other versions, and `fresh` is not
-        set; it names a file or the difference.
+    Else a `StudyError` names the difference, or a file of a store that holds no study.
     """
     if read_manifest(store) is None:
         foreign = sorted(name for name in store.names() if not _is_ours(name))
@@ -151,9 +139,9 @@ def begun(store: Store, new: Manifest, *, fresh: bool) -> Iterator[None]:
             )
     with store.locked():
         old = read_manifest(store)
-        if old is not None and old.key != new.key and not fresh:
+        if old is not None and key_of(old) != key_of(new) and not fresh:
             raise StudyError(
-                f"{store.address} holds results of another study: {old.changes(new)}; --fresh "
+                f"{store.address} holds results of another study: {changes(old, new)}; --fresh "
                 "throws them away, another folder keeps them"
             )
         _remove_parts(store)
@@ -161,8 +149,7 @@ def begun(store: Store, new: Manifest, *, fresh: bool) -> Iterator[None]:
             for name in filter(chunk_of, store.names()):
                 store.remove(name)
         if old is None or fresh:
-            content = {"format": _FORMAT, **asdict(new)}
-            store.write(MANIFEST, json.dumps(content, indent=2).encode() + b"\n")
+            store.write(MANIFEST, json.dumps(new, indent=2).encode() + b"\n")
         try:
             yield
         finally:

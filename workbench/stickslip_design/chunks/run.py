@@ -7,8 +7,8 @@ import tempfile
 import threading
 import time
 import weakref
-from collections import Counter
-from collections.abc import Callable
+from collections import Counter, deque
+from collections.abc import Callable, Iterable
 from concurrent.futures import (
     FIRST_COMPLETED,
     BrokenExecutor,
@@ -17,18 +17,16 @@ from concurrent.futures import (
     ThreadPoolExecutor,
     wait,
 )
-from contextlib import ExitStack
+from contextlib import ExitStack, closing
 from typing import Final
 
-from .chunk import chunk_of, failures, name_of, unpacked
-from .executors import Workers, cores, processes
+from .executors import Processes, Workers, cores
 from .executors import cluster as connected
-from .manifest import STUDY, begun, manifest_of
-from .plan import Plan
-from .results import Results
+from .manifest import STUDY, begun, key_of, manifest_of
+from .results import Results, chunk_of, failures, name_of, unpacked
 from .store import Store, store_of
-from .study import Chunk, Progress, Study, StudyError
-from .work import Done, compute, reason, work
+from .study import Chunk, Progress, Study, StudyError, reason
+from .work import Done, compute, work
 
 _SHORT: Final = 2.0
 """Seconds that are not worth starting worker processes, which takes one or two."""
@@ -38,6 +36,19 @@ _REPORT: Final = 0.5
 """Seconds between two reports of progress while nothing comes."""
 _READERS: Final = 8
 """Chunk files that are read and checked at once when a study resumes."""
+_SECONDS: Final = 1.0
+"""What a chunk should take. The overhead of a chunk is some milliseconds, what a killed worker
+loses is a chunk."""
+_GROWTH: Final = 8
+"""A chunk has at most so many times the points of the one whose time is known: first chunks are
+short, and their time says little."""
+_MOST_BYTES: Final = 64 * 2**20
+"""Bytes of a chunk file; who writes or reads one has it in memory."""
+_WORKERS: Final = 50
+"""A scheduler hands out some hundred chunks a second: from so many workers on chunks get longer
+with their number (docs/scale.md)."""
+_SMALLEST: Final = 8
+"""Towards the end chunks get smaller, down to this part, so that all workers end together."""
 
 
 def run(
@@ -92,8 +103,9 @@ def run(
         try:
             remote = None if cluster is None else stack.enter_context(connected(cluster))
             store, manifest = store_of(folder), manifest_of(study)
+            key = key_of(manifest)
             stack.enter_context(begun(store, manifest, fresh=fresh))
-            running = _Running(study, store, manifest.key, progress)
+            running = _Running(study, store, key, progress)
             running.by(remote or running.here(workers or cores(), stack))
         except OSError as error:
             raise StudyError(reason(error)) from error
@@ -102,9 +114,41 @@ def run(
                 f"the scheduler {cluster} has ended; what is computed is kept, and the study "
                 "resumes"
             ) from None
-        results = Results(store, running.done, manifest.key)
+        results = Results(store, running.done, key)
         weakref.finalize(results, lasting.pop_all().close)
     return results
+
+
+class _Plan:
+    """The chunks that are left of `count` points, where `done` are there and do not overlap."""
+
+    def __init__(self, count: int, quantum: int, done: Iterable[Chunk]) -> None:
+        self._quantum = self._size = self._most = quantum
+        ends = [0, *(end for chunk in sorted(done) for end in chunk), count]
+        gaps = [Chunk(*gap) for gap in zip(ends[::2], ends[1::2], strict=True)]
+        self._gaps = deque(gap for gap in gaps if gap.points)
+        self.left = sum(gap.points for gap in gaps)
+
+    def take(self, workers: int) -> Chunk:
+        """Return the next chunk, for one of so many workers; `left` says whether there is one."""
+        full = min(self._size * max(workers // _WORKERS, 1), self._most)
+        even = max(self.left // (2 * workers), full // _SMALLEST)
+        gap = self._gaps.popleft()
+        chunk = Chunk(gap.start, min(gap.start + self._rounded(min(full, even)), gap.stop))
+        if chunk.stop < gap.stop:
+            self._gaps.appendleft(Chunk(chunk.stop, gap.stop))
+        self.left -= chunk.points
+        return chunk
+
+    def learn(self, points: int, seconds: float, size: int) -> None:
+        """Take note of the time of a chunk [s] and of the bytes of its file."""
+        by_time = points * _SECONDS / max(seconds, 1e-6)
+        by_bytes = points * _MOST_BYTES / max(size, 1)
+        self._size = self._rounded(int(min(by_time, by_bytes, points * _GROWTH)))
+        self._most = max(int(by_bytes), self._size)
+
+    def _rounded(self, points: int) -> int:
+        return max(points // self._quantum, 1) * self._quantum
 
 
 class _Running:
@@ -120,7 +164,7 @@ class _Running:
         except (pickle.PicklingError, AttributeError, TypeError) as error:
             raise StudyError(f"the study cannot be sent to workers: {reason(error)}") from error
         self.done, self._failed = _computed_before(store, key)
-        self._plan = Plan(study.count, study.quantum, self.done)
+        self._plan = _Plan(study.count, study.quantum, self.done)
         self._kept = study.count - self._plan.left
         self._computed = self._kept
         self._report()
@@ -138,7 +182,7 @@ class _Running:
             if self._computed > self._kept + chunk.points:
                 seconds *= self._plan.left / chunk.points
             if count > 1 and starting is None and self._plan.left and seconds > _SHORT:
-                workers = stack.enter_context(processes(count))
+                workers = stack.enter_context(closing(Processes(count)))
                 starting = threading.Thread(target=workers.submit, args=(int,))
                 starting.start()
         return workers

@@ -23,12 +23,8 @@ PART: Final = ".part"
 class Store:
     """The files of a study in a folder, or at an address of fsspec such as s3://bucket/study.
 
-    Every method raises `OSError` where the store refuses.
-
-    Attributes
-    ----------
-    address
-        The folder or address, which means the same in another process.
+    Its `address` means the same in another process. Every method raises `OSError` where the store
+    refuses.
     """
 
     def __init__(self, address: str) -> None:
@@ -106,10 +102,7 @@ def _lock(stream: IO[bytes]) -> None:
 def store_of(address: str) -> Store:
     """Return the store at a folder or an address of fsspec.
 
-    Raises
-    ------
-    StudyError
-        If the address cannot be used, as where the package for its protocol is not installed.
+    `StudyError` if it cannot be used, as where the package for its protocol is not installed.
     """
     try:
         return Store(address)

@@ -46,20 +46,10 @@ class Study(Protocol):
 
 @dataclass(frozen=True)
 class Progress:
-    """How far a study is.
+    """How far a study is: of `count` points are `done`, of these `failed` without a result.
 
-    Attributes
-    ----------
-    done, count
-        Points that have been computed, of how many.
-    failed
-        Points without a result.
-    seconds
-        Time since this run began [s].
-    kept
-        Points that an earlier run had computed; they are done.
-    note
-        What the person should know, such as a cluster without workers; empty as a rule.
+    It takes `seconds` by now, without the points that an earlier run `kept`; a `note` says what the
+    person should know, such as a cluster without workers.
     """
 
     done: int
@@ -83,3 +73,13 @@ class Chunk(NamedTuple):
 
     def __str__(self) -> str:
         return f"points {self.start} to {self.stop - 1}"
+
+
+def reason(error: BaseException) -> str:
+    """Return what an exception says, in one line; an `OSError` of a file names it."""
+    if isinstance(error, OSError) and error.strerror:
+        return f"{error.filename}: {error.strerror}" if error.filename else error.strerror
+    text = " ".join(str(error).split())
+    if isinstance(error, StudyError):
+        return text
+    return f"{type(error).__name__}: {text}" if text else type(error).__name__

@@ -11,10 +11,10 @@ from functools import lru_cache
 from typing import NamedTuple
 
 from ..one_thread import one_thread
-from .chunk import failures, name_of, packed
-from .manifest import STUDY, read_manifest
+from .manifest import STUDY, changes, key_of, read_manifest, with_versions
+from .results import failures, name_of, packed
 from .store import Store, store_of
-from .study import Chunk, Study, StudyError
+from .study import Chunk, Study, StudyError, reason
 
 
 class Done(NamedTuple):
@@ -63,19 +63,8 @@ def _opened(address: str, key: str) -> tuple[Store, Study]:
     """Return the store and the study there; refuse another folder, and other versions."""
     store = store_of(address)
     manifest = read_manifest(store)
-    if manifest is None or manifest.key != key:
+    if manifest is None or key_of(manifest) != key:
         raise StudyError(f"does not see the study in {address}; name a folder that it shares")
-    changes = manifest.changes(manifest.with_versions_here())
-    if changes:
-        raise StudyError(f"has other versions than the study: {changes}")
+    if other := changes(manifest, with_versions(manifest)):
+        raise StudyError(f"has other versions than the study: {other}")
     return store, pickle.loads(store.read(STUDY))
-
-
-def reason(error: BaseException) -> str:
-    """Return what an exception says, in one line; an `OSError` of a file names it."""
-    if isinstance(error, OSError) and error.strerror:
-        return f"{error.filename}: {error.strerror}" if error.filename else error.strerror
-    text = " ".join(str(error).split())
-    if isinstance(error, StudyError):
-        return text
-    return f"{type(error).__name__}: {text}" if text else type(error).__name__

@@ -19,12 +19,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..curve_file import csv_lines
-from ..datasets import ExtraMissingError, need
+from ..datasets import need
 from .refusal import SweepError
 
 _HEADING: Final = re.compile(r"(?P<name>.*?)\s*(?:\[(?P<unit>[^\]]*[^\]\d][^\]]*)\])?")
 """A name, and a unit in square brackets; brackets around a number are an index of the name."""
-
 
 _Rows: TypeAlias = Iterable[tuple[int, Sequence[Any]]]
 """Cells by the number of their line or row."""
@@ -42,18 +41,18 @@ class Columns(NamedTuple):
 def read_columns(file: Path) -> Columns:
     """Read a file of columns.
 
-    Raises
-    ------
-    SweepError
-        If it cannot be read, has no rows, or a cell is no finite number; with the line.
+    `SweepError`, with the line, if it cannot be read, has no rows, or a cell is no finite number.
     """
+    of_parquet = file.suffix.lower() == ".parquet"
     try:
         content = file.read_bytes()
+        headings, rows = _parquet(file) if of_parquet else _csv(content)
     except OSError as error:
         reason = (error.strerror or type(error).__name__).lower()
         raise SweepError(f"{file}: cannot be read: {reason}") from None
-    of_parquet = file.suffix.lower() == ".parquet"
-    names, units, rows = _parquet(file) if of_parquet else _csv(file, content)
+    except (ImportError, ValueError) as error:
+        raise SweepError(f"{file}: {error}") from None
+    names = [name for name, _ in headings]
     if len(set(names)) < len(names) or "" in names:
         what = "a column without a name" if "" in names else "a column twice"
         raise SweepError(f"{file}: the header has {what}")
@@ -62,6 +61,7 @@ def read_columns(file: Path) -> Columns:
     if not names or not table:
         raise SweepError(f"{file}: has no rows")
     values = dict(zip(names, np.array(table).T.copy(), strict=True))
+    units = {name: unit.strip() for name, unit in headings if unit}
     return Columns(file, sha256(content).hexdigest(), values, units)
 
 
@@ -80,28 +80,28 @@ def _numbers(names: Sequence[str], cells: Sequence[Any], where: str) -> list[flo
     return numbers
 
 
-def _csv(file: Path, content: bytes) -> tuple[list[str], dict[str, str], _Rows]:
+def _csv(content: bytes) -> tuple[list[tuple[str, str]], _Rows]:
+    """Return names with their units, and the rows; `ValueError` for what has none."""
     try:
         lines = csv_lines(content.decode("utf-8-sig"))
         _, header = next(lines)
     except UnicodeDecodeError:
-        raise SweepError(f"{file}: is no text in UTF-8") from None
+        raise ValueError("is no text in UTF-8") from None
     except StopIteration:
-        raise SweepError(f"{file}: is empty") from None
-    headings = [heading for cell in header if (heading := _HEADING.fullmatch(cell))]
-    units = {each["name"]: each["unit"].strip() for each in headings if each["unit"]}
-    return [each["name"] for each in headings], units, lines
+        raise ValueError("is empty") from None
+    matches = [match for cell in header if (match := _HEADING.fullmatch(cell))]
+    return [(match["name"], match["unit"]) for match in matches], lines
 
 
-def _parquet(file: Path) -> tuple[list[str], dict[str, str], _Rows]:
+def _parquet(file: Path) -> tuple[list[tuple[str, str]], _Rows]:
+    """As `_csv`, of a file that pandas reads."""
+    need("pyarrow")
+    read = need("pandas").read_parquet
     try:
-        need("pyarrow")
-        frame = need("pandas").read_parquet(file)
-    except ExtraMissingError as error:
-        raise SweepError(f"{file}: {error}") from None
+        frame = read(file)
     except Exception as error:
         reason = " ".join(str(error).split())
-        raise SweepError(f"{file}: cannot be read as Parquet: {reason}") from None
-    units = {str(name): str(unit) for name, unit in frame.attrs.get("units", {}).items() if unit}
-    rows = enumerate(frame.itertuples(index=False, name=None), 1)
-    return [str(name) for name in frame.columns], units, rows
+        raise ValueError(f"cannot be read as Parquet: {reason}") from None
+    units = frame.attrs.get("units", {})
+    headings = [(str(name), str(units.get(name) or "")) for name in frame.columns]
+    return headings, enumerate(frame.itertuples(index=False, name=None), 1)

@@ -11,7 +11,8 @@ import multiprocessing
 import shutil
 import signal
 import sys
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Sequence
+from dataclasses import replace
 from multiprocessing.connection import wait
 from pathlib import Path
 from typing import Any, Final, TypeAlias
@@ -23,9 +24,9 @@ from stickslip_verification import FmuError
 from stickslip_verification.drive.fmu.description import new_folder, unpack
 from stickslip_verification.drive.processes import LostError, Worker
 
-from .job import Job
 from .refusal import SweepError
 from .runner import Runner
+from .runs import Runs
 
 _STARTING: Final = 60.0
 """Seconds that loading the FMUs may take, beside the time limit of a run."""
@@ -39,25 +40,16 @@ _Result: TypeAlias = tuple[list[float], str]
 
 
 class Host:
-    """Runs a job in a process of its own; `SweepError` if its FMUs cannot be unpacked.
+    """Does runs of a sweep in a process of its own; `SweepError` if FMUs cannot be unpacked."""
 
-    Parameters
-    ----------
-    job
-        What the runs have in common.
-    content, is_system
-        The bytes of the FMU or SSP file.
-    time_limit
-        Seconds that a run may take.
-    """
-
-    def __init__(self, job: Job, content: bytes, is_system: bool, time_limit: float) -> None:
-        self._job, self._limit = job, time_limit
+    def __init__(self, study: Runs) -> None:
+        # The process needs neither the archive nor all values.
+        self._study, self._limit = replace(study, content=b"", values=()), study.time_limit
         self._worker: Worker | None = None
         try:
             self._folder = new_folder()
             try:
-                self._folders = _unpacked(job, content, is_system, self._folder)
+                self._folders = _unpacked(study, self._folder)
             except BaseException:
                 self.close()
                 raise
@@ -67,27 +59,20 @@ class Host:
     def runs(self, rows: NDArray[np.float64]) -> tuple[NDArray[np.float64], list[str]]:
         """Return results and reason of failure of each run, NaN and empty where there is none.
 
-        Parameters
-        ----------
-        rows
-            Values of the swept variables, shape (runs, variables).
-
-        Raises
-        ------
-        SweepError
-            If the FMUs cannot be loaded.
+        `rows` are values of the swept variables, shape (runs, variables). `SweepError` if the FMUs
+        cannot be loaded.
         """
         values, failures = zip(*self._results(rows), strict=True)
         return np.array(values), list(failures)
 
-    def _results(self, rows: NDArray[np.float64]) -> Iterable[_Result]:
+    def _results(self, rows: NDArray[np.float64]) -> list[_Result]:
         is_fresh = self._worker is None
         worker = self._worker or self._loaded()
         try:
             results: list[_Result] = self._ask(worker, self._limit * len(rows), _run, rows)
         except LostError as error:
             if len(rows) == 1 and is_fresh:
-                return [([np.nan] * len(self._job.columns), str(error))]
+                return [([np.nan] * len(self._study.columns), str(error))]
             # What an earlier run left behind must not decide: each is done on its own.
             return [result for row in rows for result in self._results(row[np.newaxis])]
         return results
@@ -113,7 +98,7 @@ class Host:
         multiprocessing.current_process()._config["daemon"] = False  # type: ignore[attr-defined]
         self._worker = worker = Worker(_begin, (self._limit,), sys.maxsize, self._folder)
         try:
-            failure = self._ask(worker, self._limit, _load, self._job, self._folders)
+            failure = self._ask(worker, self._limit, _load, self._study, self._folders)
         except LostError as error:
             failure = str(error)
         if failure:
@@ -126,30 +111,28 @@ class Host:
     ) -> Any:
         """Return what a task answers; a `LostError` says how the process ended."""
         worker.give(task, arguments)
-        ended = ""
-        if wait(worker.handles, _STARTING + seconds):
-            try:
+        reason = "SIGALRM"
+        try:
+            if wait(worker.handles, _STARTING + seconds):
                 return worker.answer()
-            except LostError as error:
-                ended = str(error)
+        except LostError as error:
+            reason = str(error)
         self.drop()
-        is_late = not ended or "SIGALRM" in ended
-        raise LostError(f"took longer than {self._limit:g} s" if is_late else ended)
+        late = f"took longer than {self._limit:g} s"
+        raise LostError(late if "SIGALRM" in reason else reason)
 
 
-def _unpacked(job: Job, content: bytes, is_system: bool, folder: Path) -> list[Path]:
+def _unpacked(study: Runs, folder: Path) -> list[Path]:
     """Unpack the FMUs of the components, and return where each is."""
-    archive = folder / "model"
-    archive.write_bytes(content)
-    if is_system:
-        (folder / "system").mkdir()
-        unpack(archive, folder / "system")
-    folders = []
-    for index, component in enumerate(job.components):
-        target = folder / str(index)
+    archive, system = folder / "model", folder / "system"
+    archive.write_bytes(study.content)
+    if study.is_system:
+        system.mkdir()
+        unpack(archive, system)
+    folders = [folder / str(index) for index in range(len(study.components))]
+    for component, target in zip(study.components, folders, strict=True):
         target.mkdir()
-        unpack(folder / "system" / component.source if is_system else archive, target)
-        folders.append(target)
+        unpack(system / component.source if study.is_system else archive, target)
     return folders
 
 
@@ -163,9 +146,9 @@ def _begin(limit: float) -> None:
         signal.signal(signal.SIGALRM, signal.SIG_DFL)
 
 
-def _load(job: Job, folders: Sequence[Path]) -> str:
+def _load(study: Runs, folders: Sequence[Path]) -> str:
     try:
-        _STATE.append(Runner(job, folders))
+        _STATE.append(Runner(study, folders))
     except FmuError as error:
         return str(error)
     return ""
@@ -180,7 +163,7 @@ def _run(rows: NDArray[np.float64]) -> list[_Result]:
             results.append((runner.run(row), ""))
         except FmuError as error:
             said = " ".join(str(error).split())[:_LONGEST_REASON]
-            results.append(([np.nan] * len(runner.job.columns), said))
+            results.append(([np.nan] * len(runner.study.columns), said))
     _end_after(0.0)
     return results
 

@@ -13,9 +13,10 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from fractions import Fraction
 from pathlib import Path
-from typing import Final
+from typing import Final, NamedTuple
 
 from stickslip_verification import FmuError, Unit
+from stickslip_verification.drive.fmu import names
 from stickslip_verification.drive.fmu.description import (
     NUMBERS,
     Description,
@@ -23,17 +24,80 @@ from stickslip_verification.drive.fmu.description import (
     read_description,
     unpack,
 )
+from stickslip_verification.drive.fmu.instance import FLOATING
 from stickslip_verification.model.units import Conversion
 
 from ..quantity import QuantityError
-from .job import FLOATING, Component, Variable, Wire
-from .refusal import SweepError
+from .refusal import SweepError, between, in_unit
 from .ssp import System, read_system
-from .units import between, in_unit
 
-_SETTABLE: Final = frozenset({"parameter", "input"})
-_AS_IT_IS: Final = Conversion()
 _AT_START: Final = frozenset({"exact", "approx"})
+
+
+@dataclass(frozen=True)
+class Variable(names.Variable):
+    """A variable of the model, `name`, with the numbers that the FMU of a component has.
+
+    Texts are empty where it declares nothing. An `obstacle` says why it is no number that can be
+    set and read; one that `starts` can be set before a run.
+    """
+
+    unit: str
+    component: int
+    description: str
+    obstacle: str
+    starts: bool
+    start_text: str
+
+    @property
+    def sort(self) -> str:
+        """Variability and causality, for refusals."""
+        return f"{self.variability} {self.causality}"
+
+    @property
+    def hindrance(self) -> str:
+        """Why it cannot be set before a run; empty if it can."""
+        return self.obstacle or ("" if self.starts else f"is a {self.sort}, and cannot be set")
+
+    @property
+    def changes(self) -> bool:
+        """Whether it can be set in a run: an input, or a tunable parameter."""
+        return self.causality == "input" or self.sort == "tunable parameter"
+
+    @property
+    def is_continuous(self) -> bool:
+        """Whether a file of inputs is read along straight lines; else each value holds."""
+        return self.kind in FLOATING and self.variability == "continuous"
+
+    def check(self, number: float) -> None:
+        """Refuse a number that its type does not have, by a `QuantityError`."""
+        if self.kind == "Boolean" and number not in (0.0, 1.0):
+            raise QuantityError(f"has {number:g}, and the variable is true or false")
+        if self.kind not in FLOATING and self.kind != "Boolean":
+            bits = int(re.sub(r"\D", "", self.kind) or "32")
+            low = 0 if self.kind.startswith("U") else -(2 ** (bits - 1))
+            # Of what C cannot hold it would take some other number.
+            if number != math.floor(number) or not low <= number < low + 2**bits:
+                raise QuantityError(f"has {number:g}, and the variable is of type {self.kind}")
+
+
+class Component(NamedTuple):
+    """An FMU of the model, in an SSP file at `source`, and what it is instantiated with."""
+
+    name: str
+    source: str
+    fmi_version: str
+    token: str
+    identifier: str
+
+
+class Wire(NamedTuple):
+    """A connection: the input gets ``factor * output + offset``, both by their names."""
+
+    output: str
+    input: str
+    factor: float
+    offset: float
 
 
 @dataclass(frozen=True)
@@ -69,160 +133,118 @@ class Model:
 def read_model(path: Path | str) -> Model:
     """Read an FMU or an SSP file.
 
-    Raises
-    ------
-    SweepError
-        If it is neither, cannot be run here, or uses what a sweep does not support.
+    `SweepError` if it is neither, cannot be run here, or uses what a sweep does not support.
     """
     path = Path(path)
     try:
-        content = path.read_bytes() if path.is_file() else b""
+        if path.suffix.lower() != ".ssp":
+            description = read_description(path)
+            experiment = {name: float(text) for name, text in description.experiment.items()}
+            return _model(path, System({path.name: ""}, {}, {}, experiment), [description])
+        system = read_system(path)
+        check_size(path)
         with tempfile.TemporaryDirectory(prefix="stickslip-") as folder:
-            return _read(path, content, Path(folder))
+            unpack(path, Path(folder))
+            return _model(path, system, [*_descriptions(path, system, Path(folder))])
     except OSError as error:
         raise SweepError(f"{path}: cannot be read: {error.strerror or error}") from None
     except FmuError as error:
         raise SweepError(str(error)) from None
 
 
-def _read(path: Path, content: bytes, folder: Path) -> Model:
-    is_system = path.suffix.lower() == ".ssp"
-    if is_system and not path.is_file():
-        raise SweepError(f"{path}: {'not a file' if path.exists() else 'no such file'}")
-    system = System({path.name: ""}, (), {}, {})
-    if is_system:
-        system = read_system(path)
-        check_size(path)
-        unpack(path, folder)
-    experiment = dict(system.experiment)
+def _descriptions(path: Path, system: System, folder: Path) -> Iterator[Description]:
+    for name, source in system.components.items():
+        if not (folder / source).is_file():
+            raise SweepError(f"{path}: has no file {source}, the FMU of {name}")
+        try:
+            yield read_description(folder / source)
+        except FmuError as error:
+            said = str(error).replace(str(folder / source), f"{path}: {source}")
+            raise SweepError(said) from None
+
+
+def _model(path: Path, system: System, descriptions: list[Description]) -> Model:
     components: list[Component] = []
     variables: dict[str, Variable] = {}
     units: dict[str, Unit] = {}
-    for index, (name, source) in enumerate(system.components.items()):
-        fmu = folder / source if is_system else path
-        if is_system and not fmu.is_file():
-            raise SweepError(f"{path}: has no file {source}, the FMU of {name}")
-        try:
-            description = read_description(fmu)
-        except FmuError as error:
-            raise SweepError(
-                str(error).replace(str(fmu), f"{path}: {source}".rstrip(": "))
-            ) from None
-        identifier = description.model_identifier
-        components.append(
-            Component(name, source, description.fmi_version, description.token, identifier)
-        )
-        before = f"{name}." if is_system else ""
-        variables |= {each.name: each for each in _variables(index, before, description)}
-        for unit, meaning in description.units.items():
+    for (name, source), of in zip(system.components.items(), descriptions, strict=True):
+        before = f"{name}." if source else ""
+        variables |= {one.name: one for one in _variables(len(components), before, of)}
+        components.append(Component(name, source, of.fmi_version, of.token, of.model_identifier))
+        for unit, meaning in of.units.items():
             if units.setdefault(unit, meaning) != meaning:
                 raise SweepError(f"{path}: its FMUs define the unit {unit!r} differently")
-        if not is_system:
-            experiment = {key: float(text) for key, text in description.experiment.items()}
     return Model(
         path,
-        content,
-        is_system,
+        path.read_bytes(),
+        path.suffix.lower() == ".ssp",
         tuple(components),
         variables,
         tuple(_wires(path, system, variables, units)),
-        _bound(path, system, variables, units),
+        dict(_bound(path, system, variables, units)),
         units,
-        experiment,
+        system.experiment,
     )
 
 
 def _variables(component: int, before: str, description: Description) -> Iterator[Variable]:
-    for each in description.declared.values():
-        obstacle = ""
-        if each.type not in NUMBERS:
-            obstacle = f"is of type {each.type}, and no number"
-        elif each.dimensions:
-            obstacle = "is an array"
+    for declared in description.declared.values():
+        obstacle = "is an array" if declared.dimensions else ""
+        if declared.type not in NUMBERS:
+            obstacle = f"is of type {declared.type}, and no number"
         yield Variable(
-            name=f"{before}{each.name}",
-            their_name=each.name,
-            reference=each.valueReference,
-            kind=each.type,
-            unit=each.unit or "",
-            causality=each.causality,
-            variability=each.variability,
+            name=f"{before}{declared.name}",
+            their_name=declared.name,
+            reference=declared.valueReference,
+            kind=declared.type,
+            unit=declared.unit or "",
+            causality=declared.causality,
+            variability=declared.variability,
             start=None,
-            conversion=_AS_IT_IS,
+            conversion=Conversion(),
             component=component,
-            description=each.description,
+            description=declared.description,
             obstacle=obstacle,
             # A structural parameter is set in a mode of its own.
-            starts=each.variability != "constant"
-            and each.causality != "structuralParameter"
-            and (each.causality in _SETTABLE or each.initial in _AT_START),
-            start_text=each.start or "",
+            starts=declared.variability != "constant"
+            and declared.causality != "structuralParameter"
+            and (declared.causality in names.SETTABLE or declared.initial in _AT_START),
+            start_text=declared.start or "",
         )
 
 
 def _wires(
-    path: Path,
-    system: System,
-    variables: Mapping[str, Variable],
-    units: Mapping[str, Unit],
+    path: Path, system: System, variables: Mapping[str, Variable], units: Mapping[str, Unit]
 ) -> Iterator[Wire]:
-    for connection in system.connections:
-        for name in (connection.source, connection.target):
+    for target, (source, change) in system.connections.items():
+        for name in (source, target):
             if name not in variables or variables[name].obstacle:
                 why = variables[name].obstacle if name in variables else "is no variable of its FMU"
                 raise SweepError(f"{path}: the connected {name} {why}")
-        source, target = variables[connection.source], variables[connection.target]
-        if target.causality != "input":
-            raise SweepError(f"{path}: {target.name} is connected and no input of its FMU")
-        change = connection.change
+        if variables[target].causality != "input":
+            raise SweepError(f"{path}: {target} is connected and no input of its FMU")
+        unit, of_input = variables[source].unit, variables[target].unit
         factor, offset = Fraction(1), Fraction(0)
-        if change.converts and source.unit and target.unit not in ("", source.unit):
+        if change.converts and unit and of_input not in ("", unit):
             try:
-                factor, offset = between(units, source.unit, target.unit)
+                factor, offset = between(units, unit, of_input)
             except QuantityError as error:
-                raise SweepError(f"{path}: what drives {target.name} {error}") from None
-        yield Wire(
-            source.name,
-            target.name,
-            change.factor * float(factor),
-            change.factor * float(offset) + change.offset,
-        )
+                raise SweepError(f"{path}: what drives {target} {error}") from None
+        scale = change.factor
+        yield Wire(source, target, scale * float(factor), scale * float(offset) + change.offset)
 
 
 def _bound(
     path: Path, system: System, variables: Mapping[str, Variable], units: Mapping[str, Unit]
-) -> dict[str, float]:
-    found: dict[str, float] = {}
+) -> Iterator[tuple[str, float]]:
     for name, (number, unit) in system.values.items():
-        if name not in variables:
-            raise SweepError(f"{path}: gives a value to {name}, which is no variable of its FMU")
-        variable = variables[name]
-        obstacle = variable.obstacle
-        if not obstacle and not variable.starts:
-            obstacle = f"is a {variable.variability} {variable.causality}, and cannot be set"
-        if obstacle:
-            raise SweepError(f"{path}: gives a value to {name}, which {obstacle}")
+        variable = variables.get(name)
+        if variable is None or variable.hindrance:
+            why = variable.hindrance if variable else "is no variable of its FMU"
+            raise SweepError(f"{path}: gives a value to {name}, which {why}")
         try:
-            found[name] = in_unit(units, number, unit, variable.unit)
-            check_type(variable, found[name])
+            value = in_unit(units, number, unit, variable.unit)
+            variable.check(value)
         except QuantityError as error:
             raise SweepError(f"{path}: its value of {name} {error}") from None
-    return found
-
-
-def check_type(variable: Variable, number: float) -> None:
-    """Refuse a number that is no value of the variable's type.
-
-    Raises
-    ------
-    QuantityError
-        If the type does not have it.
-    """
-    if variable.kind == "Boolean" and number not in (0.0, 1.0):
-        raise QuantityError(f"has {number:g}, and the variable is true or false")
-    if variable.kind not in FLOATING and variable.kind != "Boolean":
-        bits = int(re.sub(r"\D", "", variable.kind) or "32")
-        low = 0 if variable.kind.startswith("U") else -(2 ** (bits - 1))
-        # Of what C cannot hold it would take some other number.
-        if number != math.floor(number) or not low <= number < low + 2**bits:
-            raise QuantityError(f"has {number:g}, and the variable is of type {variable.kind}")
+        yield name, value

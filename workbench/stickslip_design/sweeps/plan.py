@@ -34,14 +34,10 @@ from ..ranges import BETWEEN
 from .reductions import REDUCTIONS
 from .refusal import SweepError, nearest
 
-TIMES: Final = ("start_time", "stop_time", "step", "settle", "time_limit")
-
 TIME_LIMIT: Final = 60.0
 """Seconds that a run may take where the plan says nothing."""
-
 MOST_VALUES: Final = 10_000_000
 """Values of one variable, which stand in memory."""
-
 MOST_RUNS: Final = 10**18
 """Runs of a plan: more do not fit into the integers that count them."""
 
@@ -106,16 +102,17 @@ def _reductions(written: Any) -> tuple[str, ...]:
     return tuple(names)
 
 
-def _name_of_file(written: str) -> str:
+def _file(written: str) -> str:
     if not is_tabular(written):
         raise ValueError(f"{written!r} is no file ending in .csv or .parquet")
     return written
 
 
 _Time = Annotated[float, Field(strict=True), BeforeValidator(_seconds)]
-_Values = Annotated[Any, AfterValidator(_values)]
-_Table = Annotated[Mapping[str, _Values], BeforeValidator(_flat)]
-_Reductions = Annotated[Any, AfterValidator(_reductions)]
+_Table = Annotated[Mapping[str, Annotated[Any, AfterValidator(_values)]], BeforeValidator(_flat)]
+_Outputs = Annotated[
+    Mapping[str, Annotated[Any, AfterValidator(_reductions)]], BeforeValidator(_flat)
+]
 
 
 @dataclass(frozen=True, config=WRITTEN)
@@ -146,7 +143,7 @@ class Plan(Written):
         description="whether one instance does run after run, reset between; default: tried out "
         "first",
     )
-    points: Annotated[str, AfterValidator(_name_of_file)] = Field(
+    points: Annotated[str, AfterValidator(_file)] = Field(
         "",
         description="file of points, CSV or Parquet, with a column for each variable, in place of "
         "a grid",
@@ -160,7 +157,7 @@ class Plan(Written):
         description="what drives a run: as parameters, or a CSV or Parquet file of a column `time` "
         "and others",
     )
-    outputs: Annotated[Mapping[str, _Reductions], BeforeValidator(_flat)] = Field(
+    outputs: _Outputs = Field(
         default_factory=dict,
         min_length=1,
         validate_default=True,
@@ -169,8 +166,14 @@ class Plan(Written):
 
     @property
     def times(self) -> Mapping[str, float]:
-        """`TIMES` that it states [s]."""
-        return {name: getattr(self, name) for name in TIMES if getattr(self, name) is not None}
+        """Its times [s], as far as it states them."""
+        names = ("start_time", "stop_time", "step", "settle", "time_limit")
+        return {name: time for name in names if (time := getattr(self, name)) is not None}
+
+    @property
+    def reduces(self) -> bool:
+        """Whether a result needs the samples on the way, and not the last one alone."""
+        return any(REDUCTIONS[name].whole for names in self.outputs.values() for name in names)
 
     @property
     def as_json(self) -> dict[str, Any]:
@@ -185,25 +188,10 @@ class Plan(Written):
         }
 
 
-def help_of(key: str) -> str:
-    """Return what a key of a plan means."""
-    return str(Plan.__pydantic_fields__[key].description)  # type: ignore[attr-defined]
-
-
 class PlanFile(DataFile):
-    """A plan with its place, for refusals: a file, or what its TOML says.
+    """A plan, `says`, with its place for refusals: a file, or what its TOML says.
 
-    Attributes
-    ----------
-    says
-        The plan.
-    name
-        The file, for refusals.
-
-    Raises
-    ------
-    PlanError
-        If it cannot be read, is not TOML, or has a key or value that is none of a plan.
+    `PlanError` if it cannot be read, is not TOML, or has a key or value that is none of a plan.
     """
 
     def __init__(self, plan: Path | str | Mapping[str, Any]) -> None:
@@ -211,7 +199,6 @@ class PlanFile(DataFile):
             self.path, self.data, self._text, self._error = Path("plan"), {**plan}, "", PlanError
         else:
             super().__init__(Path(plan), PlanError)
-        self.name = str(self.path)
         self.says: Plan = self.read(Plan)
         set_ = (self.says.parameters, self.says.inputs)
         if math.prod(_count(written) for table in set_ for written in table.values()) > MOST_RUNS:

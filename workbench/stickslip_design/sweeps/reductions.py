@@ -38,18 +38,6 @@ class Reduction(NamedTuple):
     whole: bool = True
 
 
-def _last(times: Floats, samples: Floats) -> float:
-    return float(samples[-1])
-
-
-def _greatest(times: Floats, samples: Floats) -> float:
-    return float(np.max(samples))
-
-
-def _least(times: Floats, samples: Floats) -> float:
-    return float(np.min(samples))
-
-
 def _mean(times: Floats, samples: Floats) -> float:
     if times.size < 2:
         return float(samples[-1])
@@ -57,29 +45,29 @@ def _mean(times: Floats, samples: Floats) -> float:
 
 
 def _jump(times: Floats, position: Floats) -> float:
-    if not np.all(np.isfinite(position)):
-        return math.nan
-    jumps = _measured(times, position).jumps
+    jumps = figures.jumps if (figures := _measured(times, position)) else [math.nan]
     return float(np.mean(np.abs(jumps))) if jumps else 0.0
 
 
 def _period(times: Floats, position: Floats) -> float:
-    if not np.all(np.isfinite(position)):
-        return math.nan
-    return _measured(times, position).values.get("period", (math.nan, math.nan))[0]
+    figures = _measured(times, position)
+    return figures.values.get("period", (math.nan,))[0] if figures else math.nan
 
 
-def _measured(times: Floats, position: Floats) -> Figures:
+def _measured(times: Floats, position: Floats) -> Figures | None:
+    """Return the figures of a position; None where a sample is not finite."""
     # It brings SciPy, which takes a second; a process that reads last values goes without.
     from stickslip_score.figures import figures_of
 
+    if not np.all(np.isfinite(position)):
+        return None
     return figures_of(sticks(times, position), _digits(position))
 
 
 REDUCTIONS: Final[Mapping[str, Reduction]] = {
-    "last": Reduction(_last, "at the end", whole=False),
-    "max": Reduction(_greatest, "greatest sample"),
-    "min": Reduction(_least, "least sample"),
+    "last": Reduction(lambda times, samples: float(samples[-1]), "at the end", whole=False),
+    "max": Reduction(lambda times, samples: float(np.max(samples)), "greatest sample"),
+    "min": Reduction(lambda times, samples: float(np.min(samples)), "least sample"),
     "mean": Reduction(_mean, "mean over time, the samples joined by straight lines"),
     "jump": Reduction(
         _jump, "mean length of the jumps between two rests, 0 where there is none; of a position"
@@ -93,6 +81,11 @@ REDUCTIONS: Final[Mapping[str, Reduction]] = {
 """The reductions by name."""
 
 
+def column_of(name: str, reduction: str) -> str:
+    """Return the name of a result: the variable for its last value, else variable.reduction."""
+    return name if reduction == "last" else f"{name}.{reduction}"
+
+
 def sticks(times: Floats, position: Floats) -> list[Stick]:
     """Find the rests of a mass between its slips, in order of time.
 
@@ -102,28 +95,19 @@ def sticks(times: Floats, position: Floats) -> list[Stick]:
     from stickslip_score.figures import VISIBLE, Event, Stick
 
     band = VISIBLE * _digits(position)
-    edges = [0, *_leaving(position, band), position.size]
-    found = []
-    for first, stop in pairwise(edges):
-        if stop - first < LEAST_AT_REST:
-            continue
-        last = stop - 1
-        begin = Event(float(times[first - 1]), float(times[first])) if first > 0 else None
-        end = Event(float(times[last]), float(times[stop])) if stop < position.size else None
-        level = float(np.median(position[first:stop]))
-        found.append(Stick(begin, end, level, stop - first))
-    return found
-
-
-def _leaving(position: Floats, band: float) -> list[int]:
-    """Return the samples at which a new run begins: off the first one of the run by more."""
-    found = []
-    begin = position[0]
+    edges, begin = [0], position[0]
     # A run may drift within the band; of samples that move at once most begin a run of their own.
     for index, place in enumerate(position.tolist()):
         if abs(place - begin) > band:
-            found.append(index)
+            edges.append(index)
             begin = place
+    found = []
+    for first, stop in pairwise((*edges, position.size)):
+        if stop - first < LEAST_AT_REST:
+            continue
+        begins = Event(float(times[first - 1]), float(times[first])) if first > 0 else None
+        ends = Event(float(times[stop - 1]), float(times[stop])) if stop < position.size else None
+        found.append(Stick(begins, ends, float(np.median(position[first:stop])), stop - first))
     return found
 
 

@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Mapping
 from functools import partial
-from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,256 +12,225 @@ from numpy.typing import NDArray
 from ..quantity import QuantityError
 from ..ranges import BETWEEN, parse_range
 from .columns import Columns, read_columns
-from .job import Job, Variable, column_of
-from .model import Model, check_type
+from .model import Model, Variable
 from .plan import PlanFile, Scalar, is_tabular
-from .reductions import REDUCTIONS
-from .refusal import SweepError, nearest
-from .units import in_unit, read_as
+from .reductions import column_of
+from .refusal import SweepError, in_unit, nearest, read_as
 
-MOST_STEPS: Final = 100_000_000
+MOST_STEPS = 100_000_000
 """Communication steps of a run."""
 
-_TIME: Final = "time"
-_WHOLE: Final = 1e-9
+_TIME = "time"
+_WHOLE = 1e-9
 """Of a step: by how much the last one may be off and still count as whole."""
 
 
-def resolve(
-    plan: PlanFile, model: Model
-) -> tuple[Job, tuple[NDArray[np.float64], ...], Mapping[str, str]]:
-    """Find what a plan names in a model.
+class Resolver:
+    """A plan for a model.
 
-    Returns
-    -------
-    tuple
-        What the runs have in common; the values of the swept variables in the order of the job,
-        those of a grid's axes or of the points; SHA-256 of the files of columns by their names.
-
-    Raises
-    ------
-    SweepError
-        A name that the model does not have, a variable that cannot be set or read, a value that is
-        none of it, a file of columns that cannot be used, times that do not go together.
+    Its methods raise a `SweepError` for a name that the model does not have, a variable that cannot
+    be set or read, a value that is none of it, a file of columns that cannot be used, times that do
+    not go together. `files` are the files of columns that were read, by name.
     """
-    files: dict[str, Columns] = {}
 
-    def opened(key: str, name: str) -> Columns:
-        if name not in files:
+    def __init__(self, plan: PlanFile, model: Model) -> None:
+        self._plan, self._says, self._model = plan, plan.says, model
+        self.files: dict[str, Columns] = {}
+
+    def values(
+        self,
+    ) -> tuple[dict[str, float], dict[str, NDArray[np.float64]], dict[str, str]]:
+        """Return by name what all runs have, what each run sets, and the files of inputs.
+
+        The second are the axes of a grid or the columns of points.
+        """
+        says, fixed, by_table = self._says, dict(self._model.bound), dict[str, str]()
+        axes: dict[str, NDArray[np.float64]] = {}
+        for table, entries in (("parameters", says.parameters), ("inputs", says.inputs)):
+            for name, written in entries.items():
+                key = f"{table}.{name}"
+                variable = self._to_set(key, name, is_input=table == "inputs")
+                if is_tabular(written):
+                    if table == "parameters":
+                        reason = f"{written!r}: a file goes with [inputs] or points"
+                        raise self._plan.refused(key, reason)
+                    by_table[name] = written
+                    continue
+                values = self._values(key, variable, written)
+                if isinstance(written, list) or values.size > 1:
+                    axes[name] = values
+                else:
+                    fixed[name] = float(values[0])
+        if says.points:
+            axes = self._points(axes)
+        fixed = {name: value for name, value in fixed.items() if name not in axes}
+        return fixed, axes, by_table
+
+    def _variable(self, key: str, name: str) -> Variable:
+        variable = self._model.variables.get(name)
+        if variable is None:
+            near = nearest(name, self._model.variables)
+            of = self._model.path.name
+            raise self._plan.refused(key, f"is no variable of {of}; {near}")
+        if variable.obstacle:
+            raise self._plan.refused(key, variable.obstacle)
+        return variable
+
+    def _to_set(self, key: str, name: str, *, is_input: bool) -> Variable:
+        variable = self._variable(key, name)
+        reason = variable.hindrance
+        if is_input and not variable.changes:
+            remedy = "; it goes below [parameters]" if variable.starts else ""
+            reason = f"is a {variable.sort}, and cannot be set during a run{remedy}"
+        for wire in self._model.wires:
+            if wire.input == name:
+                reason = reason or f"is driven by {wire.output}, and cannot be set"
+        if reason:
+            raise self._plan.refused(key, reason)
+        return variable
+
+    def _values(
+        self, key: str, variable: Variable, written: Scalar | list[Scalar]
+    ) -> NDArray[np.float64]:
+        in_list = isinstance(written, list)
+        numbers: list[float] = []
+        for value in written if isinstance(written, list) else [written]:
             try:
-                files[name] = read_columns(plan.file(name))
+                for number in self._numbers(variable, value, in_list=in_list):
+                    variable.check(number)
+                    numbers.append(number)
+            except QuantityError as error:
+                raise self._plan.refused(key, f"{value!r} {error}") from None
+        return np.array(numbers)
+
+    def _numbers(self, variable: Variable, value: Scalar, *, in_list: bool) -> list[float]:
+        read = partial(read_as, self._model.units)
+        if not isinstance(value, str):
+            return [float(value)]
+        if BETWEEN not in value:
+            return [read(value, variable.unit)]
+        if in_list:
+            raise QuantityError("is a range in a list; write one or the other")
+        spaced = parse_range(value, variable.unit, read=read)
+        return [float(number) for number in spaced.values()]
+
+    def _columns(self, key: str, name: str) -> Columns:
+        if name not in self.files:
+            try:
+                self.files[name] = read_columns(self._plan.file(name))
             except SweepError as error:
-                raise plan.refused(key, f"{name!r}: {error}") from None
-        return files[name]
+                raise self._plan.refused(key, f"{name!r}: {error}") from None
+        return self.files[name]
 
-    fixed = dict(model.bound)
-    axes: dict[str, NDArray[np.float64]] = {}
-    by_table: dict[str, str] = {}
-    for table, entries in (("parameters", plan.says.parameters), ("inputs", plan.says.inputs)):
-        for name, written in entries.items():
-            key = f"{table}.{name}"
-            variable = _to_set(plan, model, key, name, is_input=table == "inputs")
-            if is_tabular(written):
-                if table == "parameters":
-                    raise plan.refused(key, f"{written!r}: a file goes with [inputs] or points")
-                by_table[name] = str(written)
-                continue
-            values = _values(plan, model, key, variable, written)
-            if isinstance(written, list) or values.size > 1:
-                axes[name] = values
-            else:
-                fixed[name] = float(values[0])
-    if plan.says.points:
+    def _points(self, axes: Mapping[str, object]) -> dict[str, NDArray[np.float64]]:
+        """Return the columns of the file of points, which goes with no `axes`."""
+        file = self._says.points
         if axes:
-            raise plan.refused(
-                "points", f"{plan.says.points!r} and the values of {next(iter(axes))} are two sets"
-            )
-        axes = dict(_points(plan, model, opened("points", plan.says.points)))
-        both = [name for name in axes if name in {**plan.says.parameters, **plan.says.inputs}]
-        if both:
-            raise plan.refused("points", f"{plan.says.points!r} has {both[0]}, and so has the plan")
-    fixed = {name: value for name, value in fixed.items() if name not in axes}
-    times, steps, settled = _times(plan, model, varying=bool(by_table))
-    tables = {
-        name: _table(plan, model, name, opened(f"inputs.{name}", file), times)
-        for name, file in by_table.items()
-    }
-    _outputs(plan, model, axes)
-    used = {*fixed, *axes, *by_table, *plan.says.outputs}
-    used |= {name for wire in model.wires for name in (wire.output, wire.input)}
-    job = Job(
-        model.components,
-        {name: model.variables[name] for name in sorted(used)},
-        model.wires,
-        fixed,
-        tuple(axes),
-        tables,
-        times,
-        steps,
-        settled,
-        dict(plan.says.outputs),
-        plan.says.reset is not False,
-    )
-    digests = {name: each.digest for name, each in files.items()}
-    return job, tuple(axes.values()), digests
+            reason = f"{file!r} and the values of {next(iter(axes))} are two sets"
+            raise self._plan.refused("points", reason)
+        columns = self._columns("points", file)
+        points = {}
+        for name in columns.values:
+            try:
+                variable = self._to_set("points", name, is_input=False)
+            except SweepError as error:
+                raise SweepError(f"{error} ({file}: {name})") from None
+            points[name] = self._column("points", variable, columns)
+        for name in points:
+            if name in {**self._says.parameters, **self._says.inputs}:
+                raise self._plan.refused("points", f"{file!r} has {name}, and so has the plan")
+        return points
 
-
-def _found(plan: PlanFile, model: Model, key: str, name: str) -> Variable:
-    if name not in model.variables:
-        of = model.path.name
-        raise plan.refused(key, f"is no variable of {of}; {nearest(name, model.variables)}")
-    variable = model.variables[name]
-    if variable.obstacle:
-        raise plan.refused(key, variable.obstacle)
-    return variable
-
-
-def _to_set(plan: PlanFile, model: Model, key: str, name: str, *, is_input: bool) -> Variable:
-    variable = _found(plan, model, key, name)
-    kind = f"{variable.variability} {variable.causality}"
-    if is_input and not variable.changes:
-        remedy = "; it goes below [parameters]" if variable.starts else ""
-        raise plan.refused(key, f"is a {kind}, and cannot be set during a run{remedy}")
-    if not variable.starts:
-        raise plan.refused(key, f"is a {kind}, and cannot be set")
-    for wire in model.wires:
-        if wire.input == name:
-            raise plan.refused(key, f"is driven by {wire.output}, and cannot be set")
-    return variable
-
-
-def _values(
-    plan: PlanFile, model: Model, key: str, variable: Variable, written: Scalar | list[Scalar]
-) -> NDArray[np.float64]:
-    read = partial(read_as, model.units)
-    each = written if isinstance(written, list) else [written]
-    found: list[float] = []
-    for value in each:
+    def _column(self, key: str, variable: Variable, columns: Columns) -> NDArray[np.float64]:
+        """Return the numbers of a column in the unit of the variable that it sets."""
         try:
-            if isinstance(value, str) and BETWEEN in value:
-                if isinstance(written, list):
-                    raise QuantityError("is a range in a list; write one or the other")
-                numbers = parse_range(value, variable.unit, read=read).values().tolist()
-            elif isinstance(value, str):
-                numbers = [read(value, variable.unit)]
-            else:
-                numbers = [float(value)]
-            for number in numbers:
-                check_type(variable, number)
+            numbers = _converted(columns, variable.name, variable.unit, self._model)
+            for number in np.unique(numbers).tolist():
+                variable.check(number)
         except QuantityError as error:
-            raise plan.refused(key, f"{value!r} {error}") from None
-        found += numbers
-    return np.array(found)
+            reason = f"{columns.file.name!r}: {variable.name} {error}"
+            raise self._plan.refused(key, reason) from None
+        return numbers
 
-
-def _points(
-    plan: PlanFile, model: Model, columns: Columns
-) -> Iterator[tuple[str, NDArray[np.float64]]]:
-    for name, numbers in columns.values.items():
-        try:
-            variable = _to_set(plan, model, "points", name, is_input=False)
-        except SweepError as error:
-            raise SweepError(f"{error} ({plan.says.points}: {name})") from None
-        yield name, _of_column(plan, model, "points", variable, columns, numbers)
-
-
-def _of_column(
-    plan: PlanFile,
-    model: Model,
-    key: str,
-    variable: Variable,
-    columns: Columns,
-    numbers: NDArray[np.float64],
-) -> NDArray[np.float64]:
-    """Return the numbers of a column in the unit of the variable that it sets."""
-    unit = columns.units.get(variable.name, "")
-    try:
-        if unit not in ("", variable.unit):
-            numbers = np.array(
-                [in_unit(model.units, repr(each), unit, variable.unit) for each in numbers.tolist()]
+    def times(self, *, varying: bool) -> tuple[NDArray[np.float64], NDArray[np.float64], int]:
+        """Return communication points, their steps, and the first point that is looked at."""
+        plan, name = self._plan, self._model.path.name
+        stated = {**self._model.experiment, **self._says.times}
+        start, stop = stated.get("start_time", 0.0), stated.get("stop_time")
+        if stop is None:
+            raise SweepError(f"{plan.path}: has no stop_time, and {name} no default of it")
+        duration = stop - start
+        if not duration > 0.0:
+            reason = f"{stop:g} s is not after start_time = {start:g} s"
+            raise plan.refused("stop_time", reason)
+        samples = varying or self._model.wires or self._says.reduces
+        if "step" not in stated and samples:
+            raise SweepError(
+                f"{plan.path}: has no step, and {name} no default of it; write such as "
+                f'step = "{duration / 1000.0:g} s"'
             )
-        for each in np.unique(numbers).tolist():
-            check_type(variable, each)
-    except QuantityError as error:
-        raise plan.refused(key, f"{columns.file.name!r}: {variable.name} {error}") from None
-    return numbers
+        step = min(stated.get("step", duration), duration)
+        count = duration / step
+        if count > MOST_STEPS:
+            reason = f"{step:g} s makes {count:.3g} steps; at most {MOST_STEPS:g}"
+            raise plan.refused("step", reason)
+        steps = max(1, math.ceil(count - _WHOLE))
+        times: NDArray[np.float64] = start + step * np.arange(steps + 1, dtype=np.float64)
+        times[-1] = stop
+        lengths = np.full(steps, step)
+        if abs(count - steps) > _WHOLE * steps:
+            lengths[-1] = times[-1] - times[-2]
+        settle = stated.get("settle", 0.0)
+        if settle >= duration:
+            raise plan.refused("settle", f"{settle:g} s is the whole run of {duration:g} s or more")
+        return times, lengths, int(np.searchsorted(times, start + settle - _WHOLE * step))
 
-
-def _times(
-    plan: PlanFile, model: Model, *, varying: bool
-) -> tuple[NDArray[np.float64], NDArray[np.float64], int]:
-    """Return communication points, communication steps, and the first point that is looked at."""
-    stated = {**model.experiment, **plan.says.times}
-    start = stated.get("start_time", 0.0)
-    if "stop_time" not in stated:
-        raise SweepError(f"{plan.name}: has no stop_time, and {model.path.name} no default of it")
-    duration = stated["stop_time"] - start
-    if not duration > 0.0:
-        raise plan.refused(
-            "stop_time", f"{stated['stop_time']:g} s is not after start_time = {start:g} s"
-        )
-    whole = any(REDUCTIONS[each].whole for all_of in plan.says.outputs.values() for each in all_of)
-    if "step" not in stated and (whole or varying or model.wires):
-        raise SweepError(
-            f"{plan.name}: has no step, and {model.path.name} no default of it; write such as "
-            f'step = "{duration / 1000.0:g} s"'
-        )
-    step = min(stated.get("step", duration), duration)
-    count = duration / step
-    if count > MOST_STEPS:
-        raise plan.refused("step", f"{step:g} s makes {count:.3g} steps; at most {MOST_STEPS:g}")
-    steps = max(1, math.ceil(count - _WHOLE))
-    times: NDArray[np.float64] = start + step * np.arange(steps + 1, dtype=np.float64)
-    times[-1] = stated["stop_time"]
-    lengths = np.full(steps, step)
-    if abs(count - steps) > _WHOLE * steps:
-        lengths[-1] = times[-1] - times[-2]
-    settle = plan.says.times.get("settle", 0.0)
-    if settle >= duration:
-        raise plan.refused("settle", f"{settle:g} s is the whole run of {duration:g} s or more")
-    settled = int(np.searchsorted(times, start + settle - _WHOLE * step))
-    return times, lengths, settled
-
-
-def _table(
-    plan: PlanFile, model: Model, name: str, columns: Columns, times: NDArray[np.float64]
-) -> NDArray[np.float64]:
-    """Return the values of an input at the beginnings of the communication steps."""
-    key = f"inputs.{name}"
-    absent = [each for each in (_TIME, name) if each not in columns.values]
-    if absent:
-        has = ", ".join(columns.values)
-        raise plan.refused(key, f"{columns.file.name!r} has no column {absent[0]}; it has {has}")
-    variable = model.variables[name]
-    values = _of_column(plan, model, key, variable, columns, columns.values[name])
-    at = columns.values[_TIME]
-    if columns.units.get(_TIME, "s") != "s":
-        at = np.array([in_unit({}, repr(t), columns.units[_TIME], "s") for t in at.tolist()])
-    if np.any(np.diff(at) < 0.0):
-        row = int(np.argmax(np.diff(at) < 0.0)) + 2
-        raise plan.refused(key, f"{columns.file.name!r}: time falls in row {row}")
-    # Of rows of one time the last one counts from then on.
-    before = np.searchsorted(at, times[:-1], side="right") - 1
-    first = np.clip(before, 0, len(at) - 1)
-    found = values[first]
-    if variable.is_continuous:
+    def table(self, name: str, file: str, times: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Return the values of an input at the beginnings of the communication steps."""
+        key = f"inputs.{name}"
+        columns = self._columns(key, file)
+        for column in (_TIME, name):
+            if column not in columns.values:
+                has = f"no column {column}; it has {', '.join(columns.values)}"
+                raise self._plan.refused(key, f"{columns.file.name!r} has {has}")
+        variable = self._model.variables[name]
+        values = self._column(key, variable, columns)
+        try:
+            at = _converted(columns, _TIME, "s", None)
+        except QuantityError as error:
+            raise self._plan.refused(key, f"{columns.file.name!r}: {_TIME} {error}") from None
+        if np.any(np.diff(at) < 0.0):
+            row = int(np.argmax(np.diff(at) < 0.0)) + 2
+            raise self._plan.refused(key, f"{columns.file.name!r}: time falls in row {row}")
+        # Of rows of one time the last one counts from then on.
+        before = np.searchsorted(at, times[:-1], side="right") - 1
+        first = np.clip(before, 0, len(at) - 1)
+        if not variable.is_continuous:
+            return values[first]
         after = np.minimum(first + 1, len(at) - 1)
         inside = (before >= 0) & (at[after] > at[first])
         width = np.where(inside, at[after] - at[first], 1.0)
         share = np.where(inside, (times[:-1] - at[first]) / width, 0.0)
-        found = found + share * (values[after] - values[first])
-    return found
+        found: NDArray[np.float64] = values[first] + share * (values[after] - values[first])
+        return found
+
+    def check_outputs(self, swept: Iterable[str]) -> None:
+        """Refuse two columns of a name in the results, where those of what is swept stand too."""
+        taken = dict.fromkeys((*swept, "failure"), "what is swept is")
+        for name, reductions in self._says.outputs.items():
+            key = f"outputs.{name}"
+            self._variable(key, name)
+            for column in (column_of(name, reduction) for reduction in reductions):
+                if column in taken:
+                    reason = f"would be {column} in the results, as {taken[column]}"
+                    raise self._plan.refused(key, reason)
+                taken[column] = name
 
 
-def _outputs(plan: PlanFile, model: Model, swept: Mapping[str, Any]) -> None:
-    taken: dict[str, str] = {}
-    for name, reductions in plan.says.outputs.items():
-        key = f"outputs.{name}"
-        _found(plan, model, key, name)
-        for reduction in reductions:
-            column = column_of(name, reduction)
-            if column in swept or column == "failure":
-                raise plan.refused(key, f"would be {column} in the results, as what is swept is")
-            if column in taken:
-                raise plan.refused(key, f"would be {column} in the results, as {taken[column]}")
-            taken[column] = name
+def _converted(columns: Columns, name: str, unit: str, model: Model | None) -> NDArray[np.float64]:
+    """Return a column in a unit, as the model understands units."""
+    stated, numbers = columns.units.get(name, ""), columns.values[name]
+    if stated in ("", unit):
+        return numbers
+    units = model.units if model else {}
+    return np.array([in_unit(units, repr(value), stated, unit) for value in numbers.tolist()])

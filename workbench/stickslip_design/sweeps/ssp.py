@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import zipfile
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
 from io import BytesIO
 from pathlib import Path
 from typing import Final, NamedTuple, NoReturn
@@ -35,23 +34,11 @@ class Change(NamedTuple):
 
     def after(self, earlier: Change) -> Change:
         """Return both changes in one, where the other comes first."""
-        return Change(
-            self.factor * earlier.factor,
-            self.factor * earlier.offset + self.offset,
-            self.converts and earlier.converts,
-        )
+        offset = self.factor * earlier.offset + self.offset
+        return Change(self.factor * earlier.factor, offset, self.converts and earlier.converts)
 
 
-class Connection(NamedTuple):
-    """A connection of an output of a component with an input, by their names."""
-
-    source: str
-    target: str
-    change: Change
-
-
-@dataclass(frozen=True)
-class System:
+class System(NamedTuple):
     """A system.
 
     Attributes
@@ -59,16 +46,17 @@ class System:
     components
         Path of the FMU in the archive by name of the component, in order of the file.
     connections
-        Between components; connectors of systems on the way are followed.
+        By the input of a component the output that drives it, and the change on the way; connectors
+        of systems between them are followed.
     values
         Values of variables by name, as component.variable: the number as it is written, and its
         unit, empty where it has none.
     experiment
-        Start and stop of the default experiment [s], as a plan calls them.
+        Times of the default experiment [s], as a plan calls them.
     """
 
     components: Mapping[str, str]
-    connections: tuple[Connection, ...]
+    connections: Mapping[str, tuple[str, Change]]
     values: Mapping[str, tuple[str, str]]
     experiment: Mapping[str, float]
 
@@ -78,15 +66,11 @@ _Node = tuple[str, str]
 
 
 def read_system(path: Path) -> System:
-    """Read the structure of an SSP file.
-
-    Raises
-    ------
-    SweepError
-        If it is no SSP file, or uses what a sweep does not support.
-    """
+    """Read an SSP file; `SweepError` if it is none, or uses what a sweep does not support."""
     from fmpy.ssp.ssd import read_ssd
 
+    if not path.is_file():
+        raise SweepError(f"{path}: {'not a file' if path.exists() else 'no such file'}")
     if not zipfile.is_zipfile(path):
         raise SweepError(f"{path}: not an SSP file (not a zip archive)")
     with zipfile.ZipFile(path) as archive:
@@ -117,14 +101,14 @@ class _Reader:
         if not self._components:
             self._refuse("has no component")
         inputs = [node for node in self._sources if node[0] in self._components]
-        connections = (each for node in inputs for each in self._traced(node))
         experiment = {
-            name: float(stated.attrib[their])
+            name: float(stated.attrib[attribute])
             for stated in root.iterfind("ssd:DefaultExperiment", _SPACE)
-            for name, their in (("start_time", "startTime"), ("stop_time", "stopTime"))
-            if their in stated.attrib
+            for name, attribute in (("start_time", "startTime"), ("stop_time", "stopTime"))
+            if attribute in stated.attrib
         }
-        return System(self._components, tuple(connections), self._values, experiment)
+        connections = dict(pair for node in inputs for pair in self._traced(node))
+        return System(self._components, connections, self._values, experiment)
 
     def _refuse(self, reason: str) -> NoReturn:
         raise SweepError(f"{self._path}: {reason}")
@@ -145,33 +129,34 @@ class _Reader:
                 self._add_values(element, f"{name}.")
             else:
                 self._refuse(f"{name} is a signal dictionary, which a sweep does not read")
-        for each in system.iterfind("ssd:Connections/ssd:Connection", _SPACE):
-            self._connect(each, place, kinds)
+        for connection in system.iterfind("ssd:Connections/ssd:Connection", _SPACE):
+            self._connect(connection, place, kinds)
         # What a system says of the values of its components counts before what they say.
         self._add_values(system, place)
 
     def _connect(self, connection: Element, place: str, kinds: Mapping[_Node, str]) -> None:
-        one, other = (
+        ends = [
             (connection.get(f"{end}Element", ""), connection.get(f"{end}Connector", ""))
             for end in ("start", "end")
-        )
-        for element, connector in (one, other):
+        ]
+        for element, connector in ends:
             if (element, connector) not in kinds:
                 where = f"{place}{element}".rstrip(".") or "the system"
                 self._refuse(f"{where} has no connector {connector}")
-        if not _gives(one, kinds):
-            one, other = other, one
-        if not _gives(one, kinds) or _gives(other, kinds):
-            pair = f"{'.'.join(one)} with {'.'.join(other)}"
+        # What gives a value inside a system: its own input, an output of an element.
+        gives = [kinds[node] == ("output" if node[0] else "input") for node in ends]
+        source, target = ends if gives[0] else reversed(ends)
+        if sum(gives) != 1:
+            pair = f"{'.'.join(source)} with {'.'.join(target)}"
             self._refuse(f"connects {pair}; one has to be an output")
         linear: Mapping[str, str] = {}
-        for each in connection:
-            if each.tag.endswith("MappingTransformation"):
-                self._refuse(f"maps the values of {other[1]}, which a sweep does not read")
-            if each.tag.endswith("LinearTransformation"):
-                linear = each.attrib
-        self._sources[_placed(place, other)] = (
-            _placed(place, one),
+        for transformation in connection:
+            if transformation.tag.endswith("MappingTransformation"):
+                self._refuse(f"maps the values of {target[1]}, which a sweep does not read")
+            if transformation.tag.endswith("LinearTransformation"):
+                linear = transformation.attrib
+        self._sources[_placed(place, target)] = (
+            _placed(place, source),
             Change(
                 float(linear.get("factor", "1")),
                 float(linear.get("offset", "0")),
@@ -179,8 +164,8 @@ class _Reader:
             ),
         )
 
-    def _traced(self, node: _Node) -> Iterator[Connection]:
-        """Yield the connection of a component's input with the output that drives it.
+    def _traced(self, node: _Node) -> Iterator[tuple[str, tuple[str, Change]]]:
+        """Yield the input of a component with the output that drives it and the change between.
 
         Nothing where it ends at an input of the whole system that nothing drives.
         """
@@ -192,9 +177,9 @@ class _Reader:
             if at in seen:
                 self._refuse(f"{'.'.join(node)} is driven by itself")
             seen.add(at)
-            at, more = self._sources[at]
-            change = change.after(more)
-        yield Connection(f"{at[0]}.{at[1]}", f"{node[0]}.{node[1]}", change)
+            at, earlier = self._sources[at]
+            change = change.after(earlier)
+        yield ".".join(node), (".".join(at), change)
 
     def _add_values(self, element: Element, place: str) -> None:
         for binding in element.iterfind("ssd:ParameterBindings/ssd:ParameterBinding", _SPACE):
@@ -203,13 +188,10 @@ class _Reader:
             sets = binding.findall("ssd:ParameterValues/ssv:ParameterSet", _SPACE)
             if source := binding.get("source"):
                 sets.insert(0, fromstring(self._archive.read(source)))
-            for each in (
-                parameter
-                for found in sets
-                for parameter in found.iterfind("ssv:Parameters/ssv:Parameter", _SPACE)
-            ):
-                name = f"{place}{binding.get('prefix', '')}{each.get('name')}"
-                written = each[0].get("value", "")
+            path = "ssv:Parameters/ssv:Parameter"
+            for parameter in (one for values in sets for one in values.iterfind(path, _SPACE)):
+                name = f"{place}{binding.get('prefix', '')}{parameter.get('name')}"
+                written = parameter[0].get("value", "")
                 text = {"true": "1", "false": "0"}.get(written, written)
                 try:
                     float(text)
@@ -217,19 +199,14 @@ class _Reader:
                     self._refuse(
                         f"gives {name} the value {written!r}, and a sweep sets numbers only"
                     )
-                self._values[name] = text, each[0].get("unit", "")
+                self._values[name] = text, parameter[0].get("unit", "")
 
 
 def _connectors(element: str, described: Element) -> dict[_Node, str]:
     return {
-        (element, each.get("name", "")): each.get("kind", "")
-        for each in described.iterfind("ssd:Connectors/ssd:Connector", _SPACE)
+        (element, connector.get("name", "")): connector.get("kind", "")
+        for connector in described.iterfind("ssd:Connectors/ssd:Connector", _SPACE)
     }
-
-
-def _gives(node: _Node, kinds: Mapping[_Node, str]) -> bool:
-    """Whether a connector gives a value inside its system: its own input, an element's output."""
-    return kinds[node] == ("output" if node[0] else "input")
 
 
 def _placed(place: str, node: _Node) -> _Node:

@@ -7,22 +7,22 @@ import json
 import threading
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
+from functools import partial
 from hashlib import sha256
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..chunks import Columns, Progress, Results, run
 from ..datasets import digest_of, need, provenance, write_grid, write_points
 from .host import Host
-from .job import Job, column_of
 from .model import Model, read_model
 from .plan import TIME_LIMIT, PlanFile
 from .reductions import REDUCTIONS
-from .resolve import resolve
+from .resolve import Resolver
+from .runs import Runs
 
 if TYPE_CHECKING:
     import xarray
@@ -40,71 +40,21 @@ FAILURE: Final = "failure"
 
 
 @dataclass(frozen=True)
-class Sweep:
-    """A sweep as `chunks.run` computes it.
-
-    Attributes
-    ----------
-    job, identity
-        What the runs have in common, and all that the results depend on.
-    values, on_grid
-        Values of the swept variables: columns of points, or axes of a grid, whose points are all
-        combinations of them, the last one running fastest.
-    time_limit
-        Seconds that a run may take.
-    content, is_system
-        The bytes of the model's file, and whether it is an SSP file.
-    """
-
-    job: Job
-    values: tuple[NDArray[np.float64], ...]
-    on_grid: bool
-    identity: Mapping[str, Any]
-    time_limit: float
-    content: bytes = field(repr=False)
-    is_system: bool
+class Sweep(Runs):
+    """A sweep as `chunks.run` computes it."""
 
     quantum = 1
-
-    @property
-    def shape(self) -> tuple[int, ...]:
-        """Numbers of values along the axes of a grid; of points how many there are."""
-        if self.on_grid:
-            return tuple(each.size for each in self.values)
-        return (self.values[0].size,)
-
-    @property
-    def count(self) -> int:
-        """How many runs there are."""
-        return int(np.prod(self.shape, dtype=np.int64))
-
-    def rows(self, start: int, stop: int) -> NDArray[np.float64]:
-        """Return the values of runs, shape (stop - start, swept variables)."""
-        rows = np.empty((stop - start, len(self.values)))
-        places = (
-            np.unravel_index(np.arange(start, stop), self.shape)
-            if self.on_grid and self.values
-            else (np.arange(start, stop),) * len(self.values)
-        )
-        for column, (values, at) in enumerate(zip(self.values, places, strict=True)):
-            rows[:, column] = values[at]
-        return rows
 
     def compute(self, start: int, stop: int) -> Columns:
         """Do the runs from `start` up to but not including `stop`.
 
-        Raises
-        ------
-        SweepError
-            If the model cannot be loaded here.
+        `SweepError` if the model cannot be loaded here.
         """
         with _host(self) as host:
-            found, failures = host.runs(self.rows(start, stop))
-        columns: Columns = {
-            name: found[:, place].copy() for place, name in enumerate(self.job.columns)
-        }
-        columns[FAILURE] = np.array(failures, dtype=np.str_)
-        return columns
+            results, failures = host.runs(self.rows(start, stop))
+        names = enumerate(self.columns)
+        columns: Columns = {name: results[:, place].copy() for place, name in names}
+        return {**columns, FAILURE: np.array(failures, dtype=np.str_)}
 
 
 _LOCK = threading.Lock()
@@ -115,11 +65,11 @@ _HOSTS: dict[str, Host] = {}
 @contextmanager
 def _host(study: Sweep) -> Iterator[Host]:
     """Lend the host that did other runs of the sweep in this process, or a new one."""
-    key = digest_of({**study.identity, "reset": study.job.reset})
+    key = digest_of({**study.identity, "reset": study.reset})
     with _LOCK:
         if key not in _HOSTS:
             _release()
-            _HOSTS[key] = Host(study.job, study.content, study.is_system, study.time_limit)
+            _HOSTS[key] = Host(study)
         try:
             yield _HOSTS[key]
         except BaseException:
@@ -141,36 +91,45 @@ def release() -> None:
 
 
 def prepare(model: Model | Path | str, plan: Path | str | Mapping[str, Any]) -> Sweep:
-    """Return the study of a sweep, without a run of it.
-
-    Parameters
-    ----------
-    model
-        The FMU or SSP file.
-    plan
-        The plan: a file, or what its TOML says.
-
-    Raises
-    ------
-    SweepError
-        If one of them cannot be used, or they do not go together.
-    """
+    """Return the study of a sweep, without a run of it; arguments and errors as of `sweep`."""
     if not isinstance(model, Model):
         model = read_model(model)
     file = PlanFile(plan)
-    job, values, digests = resolve(file, model)
-    identity = {
-        "study": "sweep",
-        "model": model.path.name,
-        "model_digest": sha256(model.content).hexdigest(),
-        "plan": file.says.as_json,
-        # A digest does not see in which order a plan has them.
-        "axes": list(job.swept),
-        "tables": dict(digests),
-    }
-    limit = file.says.times.get("time_limit", TIME_LIMIT)
-    on_grid = not file.says.points
-    return Sweep(job, values, on_grid, identity, limit, model.content, model.is_system)
+    says, resolver = file.says, Resolver(file, model)
+    fixed, axes, by_table = resolver.values()
+    times, steps, settled = resolver.times(varying=bool(by_table))
+    tables = {name: resolver.table(name, of, times) for name, of in by_table.items()}
+    resolver.check_outputs(axes)
+    used = {*fixed, *axes, *by_table, *says.outputs}
+    used |= {name for wire in model.wires for name in (wire.output, wire.input)}
+    return Sweep(
+        content=model.content,
+        is_system=model.is_system,
+        components=model.components,
+        variables={name: model.variables[name] for name in sorted(used)},
+        wires=model.wires,
+        fixed=fixed,
+        swept=tuple(axes),
+        values=tuple(axes.values()),
+        on_grid=not says.points,
+        tables=tables,
+        times=times,
+        steps=steps,
+        settled=settled,
+        outputs=dict(says.outputs),
+        reduces=says.reduces,
+        time_limit=says.times.get("time_limit", TIME_LIMIT),
+        reset=says.reset is not False,
+        identity={
+            "study": "sweep",
+            "model": model.path.name,
+            "model_digest": sha256(model.content).hexdigest(),
+            "plan": says.as_json,
+            # A digest does not see in which order a plan has them.
+            "axes": list(axes),
+            "tables": {name: columns.digest for name, columns in resolver.files.items()},
+        },
+    )
 
 
 def tried(study: Sweep) -> Sweep:
@@ -178,33 +137,27 @@ def tried(study: Sweep) -> Sweep:
 
     Some points are run in one process, then again. The first of them that comes to its end did so
     in a new instance: where it has other bits the second time, something outlived the reset. Of
-    long runs only the first steps are tried.
-
-    Raises
-    ------
-    SweepError
-        If the model cannot be loaded.
+    long runs only the first steps are tried. `SweepError` if the model cannot be loaded.
     """
-    job = study.job
-    points = len(job.times[: _STEPS_OF_TRIAL + 1])
-    short = replace(
-        job,
-        times=job.times[:points],
-        steps=job.steps[: points - 1],
-        settled=min(job.settled, points - 1),
-    )
+    steps = study.steps[:_STEPS_OF_TRIAL]
     places = sorted({0, study.count // 2, study.count - 1})
     rows = np.concatenate([study.rows(place, place + 1) for place in (*places, *places)])
-    limit = min(study.time_limit, _LONGEST_TRIAL)
-    host = Host(short, study.content, study.is_system, limit)
+    short = replace(
+        study,
+        times=study.times[: steps.size + 1],
+        steps=steps,
+        settled=min(study.settled, steps.size),
+        time_limit=min(study.time_limit, _LONGEST_TRIAL),
+    )
+    host = Host(short)
     try:
-        found, failures = host.runs(rows)
+        results, failures = host.runs(rows)
     finally:
         host.close()
-    count = len(places)
-    first = failures.index("") if "" in failures[:count] else 0
-    works = not failures[first + count] and found[first].tobytes() == found[first + count].tobytes()
-    return study if works else replace(study, job=replace(job, reset=False))
+    first = failures.index("") if "" in failures[: len(places)] else 0
+    again = first + len(places)
+    works = not failures[again] and results[first].tobytes() == results[again].tobytes()
+    return study if works else replace(study, reset=False)
 
 
 def sweep(
@@ -252,9 +205,7 @@ def sweep(
     return computed(
         prepare(model, plan),
         folder,
-        lambda study, chunks: run(
-            study, chunks, workers=workers, cluster=cluster, fresh=fresh, progress=progress
-        ),
+        partial(run, workers=workers, cluster=cluster, fresh=fresh, progress=progress),
     )
 
 
@@ -265,16 +216,17 @@ def computed(
     need("xarray")
     if folder is not None:
         need("zarr" if study.on_grid else "pyarrow")
-    if study.job.reset:
+        folder = str(folder if "://" in str(folder) else Path(folder))
+    if study.reset:
         study = tried(study)
     try:
-        results = run(study, None if folder is None else _inside(folder, CHUNKS))
+        results = run(study, None if folder is None else f"{folder}/{CHUNKS}")
     finally:
         release()
-    dataset = dataset_of(study, results.read())
+    dataset = _dataset(study, results.read())
     if folder is not None:
         write = write_grid if study.on_grid else write_points
-        write(dataset, _inside(folder, file_of(study)))
+        write(dataset, f"{folder}/{file_of(study)}")
     return dataset
 
 
@@ -283,33 +235,25 @@ def file_of(study: Sweep) -> str:
     return "sweep.zarr" if study.on_grid else "sweep.parquet"
 
 
-def _inside(folder: Path | str, name: str) -> str:
-    return f"{folder}/{name}" if "://" in str(folder) else str(Path(folder) / name)
-
-
-def dataset_of(study: Sweep, columns: Columns) -> xarray.Dataset:
-    """Return the results of a sweep as a dataset, see `sweep`."""
-    job = study.job
-    dims = job.swept if study.on_grid else (POINT,)
-    about: dict[str, dict[str, str]] = {FAILURE: {"long_name": "why the run failed"}}
-    for name, all_of in job.outputs.items():
-        variable = job.variables[name]
-        for each in all_of:
-            of = REDUCTIONS[each]
-            unit = variable.unit if of.unit is None else of.unit
-            said = variable.description or name
-            text = said if each == "last" else f"{said}: {of.meaning}"
-            about[column_of(name, each)] = {"units": unit, "long_name": text}
+def _dataset(study: Sweep, columns: Columns) -> xarray.Dataset:
+    variables = study.variables
+    about = {}
+    for (name, reduction), column in zip(study.results, study.columns, strict=True):
+        of, text = REDUCTIONS[reduction], variables[name].description or name
+        if reduction != "last":
+            text = f"{text}: {of.meaning}"
+        about[column] = {"units": of.unit or variables[name].unit, "long_name": text}
+    about[FAILURE] = {"long_name": "why the run failed"}
     coordinates = {}
-    for name, values in zip(job.swept, study.values, strict=True):
-        variable = job.variables[name]
-        meant = {"units": variable.unit, "long_name": variable.description or name}
-        coordinates[name] = ((name,) if study.on_grid else (POINT,), values, meant)
+    for name, values in zip(study.swept, study.values, strict=True):
+        meant = {"units": variables[name].unit, "long_name": variables[name].description or name}
+        coordinates[name] = (name if study.on_grid else POINT, values, meant)
     fixed = {
-        name: f"{value!r} {job.variables[name].unit}".strip() for name, value in job.fixed.items()
+        name: f"{value!r} {variables[name].unit}".strip() for name, value in study.fixed.items()
     }
     # Texts of any length have a specification in zarr.
     columns = {**columns, FAILURE: columns[FAILURE].astype(object)}
+    dims = study.swept if study.on_grid else (POINT,)
     dataset: xarray.Dataset = need("xarray").Dataset(
         {name: (dims, columns[name].reshape(study.shape), about[name]) for name in columns},
         coords=coordinates,
