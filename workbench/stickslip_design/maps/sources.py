@@ -183,13 +183,11 @@ def axis_source(file: AxisFile, over: Sequence[Dimension], feed: float | None) -
 def _axes_at(file: AxisFile, feed: float | None, values: Values) -> Columns:
     changes = {name: each for name, each in values.items() if name != FEED}
     shape = np.broadcast_shapes(*(each.shape for each in values.values()))
-    feeds = values.get(FEED)
-    # The feed, where there is one, is the last dimension.
-    of_axis = shape if feeds is None else (*shape[:-1], 1)
+    # The feed, where the map is over it, is the last dimension.
+    of_axis = (*shape[:-1], 1) if FEED in values else shape
     flat = {name: np.broadcast_to(each, of_axis).ravel() for name, each in changes.items()}
-    count = math.prod(of_axis)
-    table = feed if feeds is None else np.broadcast_to(feeds.ravel(), (count, feeds.size))
-    found = axis_points(file, flat, table)
+    feeds = values[FEED].ravel().tolist() if FEED in values else [] if feed is None else [feed]
+    found = axis_points(file, flat, feeds)
     return {
         name: np.broadcast_to(each.reshape(of_axis if name in WITHOUT_FEED else shape), shape)
         for name, each in found.items()

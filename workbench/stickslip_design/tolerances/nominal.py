@@ -63,8 +63,8 @@ class Turns(Machines):
 
         def even(factors: Floats) -> NDArray[np.bool_]:
             changes = self.population.scaled(drawn, self.path, factors)
-            found = axis_points(self.population.file, changes, self.feed, regimes_only=True)
-            return np.asarray(found["regime"] == Regime.EVEN)
+            found = axis_points(self.population.file, changes, [self.feed], regimes_only=True)
+            return np.asarray(found["regime"][:, 0] == Regime.EVEN)
 
         between = 1.0 if self.low < 1.0 < self.high else math.sqrt(self.low * self.high)
         low, middle, high = (np.full(count, each) for each in (self.low, between, self.high))

@@ -99,9 +99,7 @@ class Population:
         self, changes: Mapping[str, Floats], feeds: tuple[float, ...], *, regimes_only: bool = False
     ) -> Columns:
         """Return numbers and what each machine does at some feeds, as the columns of `Samples`."""
-        count = len(next(iter(changes.values())))
-        table = np.broadcast_to(feeds, (count, len(feeds)))
-        found = axis_points(self.file, changes, table, regimes_only=regimes_only)
+        found = axis_points(self.file, changes, feeds, regimes_only=regimes_only)
         columns: Columns = {**changes, **{name: found[name] for name in WITHOUT_FEED}}
         for name in ("jump", "rate", "regime"):
             for place, column in enumerate(found[name].T, 1):
