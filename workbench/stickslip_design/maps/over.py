@@ -48,18 +48,15 @@ class Dimension:
 
     Attributes
     ----------
-    name, values
-        The parameter and its values [SI].
-    unit, description
-        As of `Quantity`.
+    name, quantity, values
+        The parameter, what it is, and its values [SI].
     shown, log
         The unit in which it was typed, "" for none; whether it is drawn on a logarithmic scale.
     """
 
     name: str
+    quantity: Quantity
     values: tuple[float, ...]
-    unit: str
-    description: str
     shown: str = ""
     log: bool = False
 
@@ -81,42 +78,43 @@ def dimensions(
     OverError
         If there are less than two, a name is unknown, or a range cannot be taken.
     """
-    found = tuple(_dimension(name, each, known) for name, each in over.items())
-    if len(found) < 2:
+    if len(over) < 2:
         raise OverError(
-            f"a map is over two parameters or more, not {len(found)}; give each as {_FORM}"
+            f"a map is over two parameters or more, not {len(over)}; give each as {_FORM}"
         )
-    return found
+    return tuple(_dimension(name, span, known) for name, span in over.items())
 
 
-def _dimension(name: str, given: str | Sequence[float], known: Mapping[str, Quantity]) -> Dimension:
+def _dimension(name: str, span: str | Sequence[float], known: Mapping[str, Quantity]) -> Dimension:
     if name not in known:
         near = get_close_matches(name, known, 3, 0.4)
         remedy = f"nearest: {', '.join(near)}" if near else f"known are {', '.join(known)}"
         raise OverError(f"{name!r} is no parameter that can be mapped over; {remedy}")
-    unit, description, read, check = known[name]
-    if isinstance(given, str):
-        text = repr(f"{name}={given}")
+    quantity = known[name]
+    if isinstance(span, str):
+        text = repr(f"{name}={span}")
+        read = quantity.read
         try:
-            spaced = parse_range(given, unit, read=lambda end, _: read(end), count=DEFAULT_COUNT)
+            spaced = parse_range(
+                span, quantity.unit, read=lambda end, _: read(end), count=DEFAULT_COUNT
+            )
         except QuantityError as error:
             raise OverError(f"{text} {error}") from None
         values, log, shown = spaced.values(), spaced.log, spaced.symbol
     else:
         text, shown = f"the range of {name}", ""
-        values = np.asarray(given, dtype=np.float64)
+        values = np.asarray(span, dtype=np.float64)
         if values.ndim != 1 or values.size < 2:
             raise OverError(f"{text} has {values.size} values; at least 2 are needed, in one row")
+        # Drawn as it is spaced: by equal ratios or by equal distances.
+        log = bool(np.all(values > 0.0)) and _even(np.log(values)) and not _even(values)
     if not np.all(np.diff(values) > 0.0):
         raise OverError(f"{text} does not rise from value to value")
-    if not isinstance(given, str):
-        # Drawn as it is spaced: by equal ratios or by equal distances.
-        log = bool(values[0] > 0.0) and _even(np.log(values)) and not _even(values)
     try:
-        check(values)
+        quantity.check(values)
     except ValueError as error:
         raise OverError(f"{text}: {error}") from None
-    return Dimension(name, tuple(values.tolist()), unit, description, shown, log)
+    return Dimension(name, quantity, tuple(values.tolist()), shown, log)
 
 
 def _even(numbers: NDArray[np.float64]) -> bool:

@@ -16,7 +16,7 @@ from ..axis import AxisFile, read_axis_file
 from ..chunks import Results
 from ..datasets import need, provenance, read_grid
 from ..points.columns import FEED
-from .grid import GridStudy, boxes
+from .grid import SLAB, GridStudy, boxes
 from .over import Dimension, OverError, dimensions
 from .pictures import register
 from .sources import axis_quantities, axis_source, block_quantities, block_source
@@ -29,9 +29,6 @@ FILE: Final = "map.zarr"
 
 _CHUNKS: Final = "chunks"
 """Name of the folder of the chunk files in that of the map."""
-
-_SLAB: Final = 2**20
-"""Points that are written at a time: some 100 MB of columns, and a chunk of the dataset."""
 
 _REGIMES: Final = {"flag_values": [0, 1, 2], "flag_meanings": "even sticks swings"}
 
@@ -69,19 +66,21 @@ def study_of(
 
 
 def computed(
-    study: GridStudy, *, folder: Path | str | None, run: Callable[[str | None], Results]
+    study: GridStudy,
+    folder: Path | str | None,
+    compute: Callable[[GridStudy, str | None], Results],
 ) -> xarray.Dataset:
-    """Return the dataset of a study that `run` computes in the folder that it is given."""
+    """Return the dataset of a study that `compute` computes, given the folder of its chunks."""
     register()
     zarr = need("zarr")
     # A store gives its arrays back in any order.
     names = [*(each.name for each in study.over), *study.source.columns]
     if folder is None:
         store = zarr.storage.MemoryStore()
-        _write(study, run(None), store)
+        _write(study, compute(study, None), store)
         return read_grid(store)[names].load()
     target = _inside(folder, FILE)
-    results = run(_inside(folder, _CHUNKS))
+    results = compute(study, _inside(folder, _CHUNKS))
     # A local dataset has its name when it is whole.
     local = "://" not in target
     place = f"{target}.part" if local else target
@@ -110,7 +109,7 @@ def _write(study: GridStudy, results: Results, target: Any) -> None:
             fill_value=np.nan,
         )  # fmt: skip
     inner = [each.name for each in study.dimensions]
-    for box in boxes(study.shape, 0, study.count, _SLAB):
+    for box in boxes(study.shape, 0, study.count, SLAB):
         for name, column in results.read(box.start, box.stop).items():
             about = study.source.columns[name]
             names = [each.name for each in study.over if each.name not in about.without]
@@ -145,8 +144,8 @@ def _write(study: GridStudy, results: Results, target: Any) -> None:
 def _of(dimension: Dimension) -> dict[str, str]:
     """Return the attributes of a coordinate."""
     return {
-        "units": dimension.unit,
-        "long_name": dimension.description,
+        "units": dimension.quantity.unit,
+        "long_name": dimension.quantity.description,
         "shown_in": dimension.shown,
         "spacing": "log" if dimension.log else "lin",
     }

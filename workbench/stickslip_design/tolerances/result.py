@@ -17,9 +17,9 @@ from ..points.axes import check
 from ..points.columns import AXIS, Regime
 from ..report.record import plain
 from .indices import Indices
-from .nominal import Solved
+from .nominal import Hold, Solved
 from .probability import Probability, probability
-from .question import Question
+from .samples import Population, Samples
 
 if TYPE_CHECKING:
     import xarray
@@ -31,6 +31,34 @@ _PROBABILITY: Final = {
     "probability_low": "lower end of its interval of 95 %",
     "probability_high": "upper end of its interval of 95 %",
 }
+
+
+@dataclass(frozen=True)
+class Question:
+    """What is asked of a series of machines.
+
+    Attributes
+    ----------
+    population, count
+        The machines, and how many are drawn.
+    feeds
+        Feeds at which each is judged [m/s].
+    rows
+        Rows of the Sobol indices, a power of two; 0: none.
+    hold
+        What must hold; None: nothing is solved for.
+    """
+
+    population: Population
+    feeds: tuple[float, ...]
+    count: int
+    rows: int
+    hold: Hold | None = None
+
+    @property
+    def samples(self) -> Samples:
+        """The study of the machines."""
+        return Samples(self.population, self.feeds, self.count)
 
 
 @dataclass(frozen=True)
