@@ -3,8 +3,7 @@
 import numpy as np
 import pytest
 
-from stickslip_design.maps.over import OverError, dimensions
-from stickslip_design.maps.sources import block_quantities
+from stickslip_design.maps.sources import OverError, block_quantities, dimensions
 
 KNOWN = block_quantities("stribeck")
 K = {"k": "1..2 kN/m"}

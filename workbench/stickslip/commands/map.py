@@ -75,7 +75,7 @@ def map(  # noqa: A001 - the name of the command
     """Map jump, period and regime over two parameters or more: pictures, a page and a dataset."""
     from stickslip import studies
     from stickslip.commands.running import computed
-    from stickslip_design.maps.over import OverError
+    from stickslip_design.maps.sources import OverError
     from stickslip_design.points.slips import native_problem
 
     options = {each: "--" + each.replace("_", "-") for each in p.given}

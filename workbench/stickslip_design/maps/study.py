@@ -17,9 +17,15 @@ from ..chunks import Results
 from ..datasets import need, provenance, read_grid
 from ..points.columns import FEED
 from .grid import SLAB, GridStudy, boxes
-from .over import Dimension, OverError, dimensions
 from .pictures import register
-from .sources import axis_quantities, axis_source, block_quantities, block_source
+from .sources import (
+    OverError,
+    axis_quantities,
+    axis_source,
+    block_quantities,
+    block_source,
+    dimensions,
+)
 
 if TYPE_CHECKING:
     import xarray
@@ -103,10 +109,15 @@ def _write(study: GridStudy, results: Results, target: Any) -> None:
     """Write the dataset slab by slab."""
     group = need("zarr").open_group(target, mode="w")
     for each in study.over:
-        values = np.array(each.values)
+        attributes = {
+            "units": each.quantity.unit,
+            "long_name": each.quantity.description,
+            "shown_in": each.shown,
+            "spacing": "log" if each.log else "lin",
+        }
         group.create_array(
-            each.name, data=values, dimension_names=(each.name,), attributes=_of(each),
-            fill_value=np.nan,
+            each.name, data=np.array(each.values), dimension_names=(each.name,),
+            attributes=attributes, fill_value=np.nan,
         )  # fmt: skip
     inner = [each.name for each in study.dimensions]
     for box in boxes(study.shape, 0, study.count, SLAB):
@@ -139,13 +150,3 @@ def _write(study: GridStudy, results: Results, target: Any) -> None:
             **provenance(study.identity),
         }
     )
-
-
-def _of(dimension: Dimension) -> dict[str, str]:
-    """Return the attributes of a coordinate."""
-    return {
-        "units": dimension.quantity.unit,
-        "long_name": dimension.quantity.description,
-        "shown_in": dimension.shown,
-        "spacing": "log" if dimension.log else "lin",
-    }

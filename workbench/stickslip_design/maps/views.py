@@ -115,9 +115,10 @@ class Side:
     def places(self, values: ArrayLike) -> Floats:
         """Return where values [SI] stand among those of the side, by its scale, from 0 on."""
         scale = np.log if self.log else np.asarray
-        return np.interp(scale(values), scale(self.values), np.arange(self.values.size))
+        numbers = np.asarray(values, dtype=np.float64)
+        return np.interp(scale(numbers), scale(self.values), np.arange(self.values.size))
 
-    def at(self, places: ArrayLike) -> Floats:
+    def at(self, places: Floats) -> Floats:
         """Return the values in the unit shown that stand at places."""
         scale, back = (np.log, np.exp) if self.log else (np.asarray, np.asarray)
         return np.asarray(back(np.interp(places, np.arange(self.values.size), scale(self.shown))))
@@ -290,15 +291,12 @@ class View:
                 counts.update(dict(zip(kinds.tolist(), numbers.tolist(), strict=True)))
             if "at_limit" in part:
                 at_limit += int(np.count_nonzero(part["at_limit"].values))
-            main = part[self.main]
-            values = np.abs(np.where(np.isfinite(main), main, 0.0))
-            if values.max() > largest:
-                largest = float(values.max())
-                places = np.unravel_index(int(np.argmax(values)), values.shape)
-                where = {
-                    str(name): float(part[name].values[place])
-                    for name, place in zip(main.dims, places, strict=True)
-                }
+            main = abs(part[self.main])
+            main = main.where(np.isfinite(main), 0.0)
+            peak = main[main.argmax(...)]
+            if peak > largest:
+                largest = float(peak)
+                where = {str(name): float(peak[name]) for name in main.dims}
         lines = []
         if counts:
             shares = (

@@ -118,14 +118,12 @@ def check(file: AxisFile, path: str, values: ArrayLike = ()) -> Number:
         reason = "is no number that the file states"
         raise AxisError(reason, key=path, name=file.name, remedy=remedy)
     key = key_of(path)
-    array = np.atleast_1d(np.asarray(values, dtype=np.float64))
-    good = np.isfinite(array) & (array <= key.within.high)
-    good &= array > key.within.low if key.within.strict else array >= key.within.low
-    if not good.all():
-        value = f"{float(array[int(np.argmin(good))]):.6g} {number.unit}".removesuffix(" 1")
-        raise AxisError(
-            "is out of range", key=path, value=value, within=str(key.within), name=file.name
-        )
+    for value in (np.min(values), np.max(values)) if np.size(values) else ():
+        if float(value) not in key.within:
+            raise AxisError(
+                "is out of range", key=path, value=f"{value:.6g} {number.unit}".removesuffix(" 1"),
+                within=str(key.within), name=file.name,
+            )  # fmt: skip
     return number
 
 

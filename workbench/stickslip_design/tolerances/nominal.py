@@ -38,8 +38,6 @@ class Turns(Machines):
 
     Attributes
     ----------
-    population, count
-        The machines, and how many.
     feed
         The feed [m/s].
     path, low, high
@@ -217,8 +215,8 @@ def solved(
         unsolved = "no value in its range does it"
     elif factor == always:
         unsolved = "every value in its range does it"
-    bounds = [float(order[each - 1]) if 1 <= each <= count else math.nan for each in (first, last)]
-    bounds = [now * each if 0.0 < each < math.inf else math.nan for each in bounds]
+    bounds = [float(order[n - 1]) if 1 <= n <= count else math.nan for n in (first, last)]
+    bounds = [now * bound if 0.0 < bound < math.inf else math.nan for bound in bounds]
     share_now = even(1.0, "now")
     at_most = at_most == (now > 0.0)
     ends = (now * low, float(at_low.mean())), (now * high, float(at_high.mean()))

@@ -134,7 +134,7 @@ class Scatter:
             if name in self.columns:
                 data[name] = "sample", self.columns[name], self._about(name)
             else:
-                table = [self.columns[f"{name} {place + 1}"] for place in range(len(feeds))]
+                table = [self.columns[f"{name} {n}"] for n in range(1, len(feeds) + 1)]
                 data[name] = ("sample", "feed"), np.stack(table, axis=1), self._about(name)
         for place, (name, words) in enumerate(_PROBABILITY.items()):
             column = [each.jumps[place] for each in self.outcomes]
@@ -142,12 +142,10 @@ class Scatter:
         words = "quantile of the jump of machines that jump"
         jumps = [each.jump for each in self.outcomes]
         data["jump_quantile"] = ("feed", "quantile"), jumps, {"units": "m", "long_name": words}
+        jumps_of = [self.indices.get(f"jump {n}") for n in range(1, len(feeds) + 1)]
         none = np.full(len(varied), math.nan)
         for order in ("first", "total") if self.indices else ():
-            rows = [
-                getattr(self.indices[key], order) if key in self.indices else none
-                for key in (f"jump {place + 1}" for place in range(len(feeds)))
-            ]
+            rows = [none if each is None else getattr(each, order) for each in jumps_of]
             about = {"units": "1", "long_name": f"Sobol index of {order} order of the jump"}
             data[f"sobol_{order}"] = ("feed", "parameter"), np.array(rows), about
         coordinates = {

@@ -128,6 +128,7 @@ class Machines(ABC):
     """A study of a population, whose other fields say all that its results depend on beside it.
 
     A subclass computes so many points at a time as `Population.block` says, whatever the chunk.
+    Its `count` is that of its points; `feeds` are those at which each machine is judged [m/s].
     """
 
     population: Population
@@ -161,10 +162,6 @@ class Samples(Machines):
 
     Attributes
     ----------
-    population, count
-        The machines, and how many are drawn.
-    feeds
-        Feeds at which each is judged [m/s].
     scaled
         A number of the file that is multiplied in all of them, empty for none, and the factor.
     regimes_only
