@@ -77,8 +77,9 @@ def computed(
     compute: Callable[[GridStudy, str | None], Results],
 ) -> xarray.Dataset:
     """Return the dataset of a study that `compute` computes, given the folder of its chunks."""
-    register()
+    need("xarray")
     zarr = need("zarr")
+    register()
     # A store gives its arrays back in any order.
     names = [*(each.name for each in study.over), *study.source.columns]
     if folder is None:
