@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from stickslip.parameters import Parameters, above_zero
-from stickslip_design.chunks import Progress, run
+from stickslip_design.chunks import Progress, Results, run
 from stickslip_design.maps.study import computed, study_of
 from stickslip_design.sweeps.study import sweep as sweep
 from stickslip_design.tolerances.study import scatter as scatter
@@ -16,6 +17,7 @@ if TYPE_CHECKING:
     import xarray
 
     from stickslip_design.axis import AxisFile
+    from stickslip_design.maps.grid import GridStudy
 
 
 def map(  # noqa: A001 - the name of the command
@@ -30,6 +32,7 @@ def map(  # noqa: A001 - the name of the command
     cluster: str | None = None,
     fresh: bool = False,
     progress: Callable[[Progress], None] | None = None,
+    compute: Callable[[GridStudy, str | None], Results] | None = None,
 ) -> xarray.Dataset:
     """Map jump, period and regime of the block, or of an axis, over two parameters or more.
 
@@ -51,6 +54,8 @@ def map(  # noqa: A001 - the name of the command
         resumes, and the dataset as ``map.zarr``, which is read when it is used.
     workers, cluster, fresh, progress
         As of `stickslip_design.chunks.run`.
+    compute
+        Computes the study in the folder of its chunks, in place of that with these four.
 
     Returns
     -------
@@ -64,15 +69,11 @@ def map(  # noqa: A001 - the name of the command
         If a range or a value cannot be taken, or the study cannot be computed to its end.
     """
     p = p or Parameters()
-    held = p.values.items() - Parameters(law=p.law).values.items()
-    values = {name: value for name, value in held if name not in over}
+    values = p.values
     if axis is not None:
         values = {} if feed is None else {"feed": above_zero(feed, "m/s", "feed")}
-    study = study_of(over, values=values, law=p.law, axis=axis, limit=limit)
-    return computed(
-        study,
-        folder=folder,
-        run=lambda place: run(
-            study, place, workers=workers, cluster=cluster, fresh=fresh, progress=progress
-        ),
+    compute = compute or partial(
+        run, workers=workers, cluster=cluster, fresh=fresh, progress=progress
     )
+    study = study_of(over, values=values, law=p.law, axis=axis, limit=limit)
+    return computed(study, folder, compute)

@@ -3,8 +3,7 @@
 import numpy as np
 import pytest
 
-from stickslip_design.maps.over import OverError, dimensions
-from stickslip_design.maps.sources import block_quantities
+from stickslip_design.maps.sources import OverError, block_quantities, dimensions
 
 KNOWN = block_quantities("stribeck")
 K = {"k": "1..2 kN/m"}
@@ -27,7 +26,7 @@ def test_a_range_is_read_as_it_is_typed_and_a_list_is_spaced_as_it_is(
 ) -> None:
     found = dimensions({"v": span, **K}, KNOWN)[0]
     assert (found.values[0], found.values[-1], len(found.values)) == (*ends, count)
-    assert (found.shown, found.log, found.unit) == (shown, log, "m/s")
+    assert (found.shown, found.log, found.quantity.unit) == (shown, log, "m/s")
     steps = np.diff(np.log(found.values) if log else found.values)
     np.testing.assert_allclose(steps, steps[0], rtol=1e-9)  # roundings of 400 values
 

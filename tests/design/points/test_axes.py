@@ -64,19 +64,19 @@ def test_many_variants_are_judged_as_each_is_alone(
     text: str, changes: dict[str, NDArray[np.float64]], feed: float
 ) -> None:
     file = axis_file_of(text)
-    found = axis_points(file, changes, feed)
+    found = axis_points(file, changes, [feed])
     for place, numbers in enumerate(zip(*changes.values(), strict=True)):
         axis = file.changed(dict(zip(changes, map(float, numbers), strict=True))).axis()
         limit = critical_feed(axis)
         jumps = jumps_of(axis, feed) if feed <= limit else None
-        one = [found[name][place] for name in ("critical_feed", "jump", "rate")]
+        one = [found["critical_feed"][place], found["jump"][place, 0], found["rate"][place, 0]]
         # Rounding: the same operations on arrays and numbers, iterated to 2e-15.
         assert_allclose(one, [limit, *(jumps or (0.0, 0.0))], rtol=1e-12)
     assert_array_equal(found["regime"] == Regime.STICKS, found["jump"] > 0.0)
 
 
 def test_where_friction_falls_a_little_the_table_swings_above_its_jumps() -> None:
-    feeds = np.array([[1e-4, 5e-3, 1.15e-2, 1.0]])
+    feeds = [1e-4, 5e-3, 1.15e-2, 1.0]
     changes = {"friction.mu_s": np.array([0.202]), "friction.mu_k": np.array([0.1888])}
     found = axis_points(axis_file_of(FALLING.replace("-1 kN", "0 N")), changes, feeds)
     assert found["regime"].tolist() == [[Regime.EVEN, Regime.STICKS, Regime.SWINGS, Regime.EVEN]]
@@ -84,16 +84,16 @@ def test_where_friction_falls_a_little_the_table_swings_above_its_jumps() -> Non
 
 
 def test_an_unstable_loop_swings_and_its_jump_is_unknown() -> None:
-    found = axis_points(axis_file_of(example()), {"drive.K_v": np.array([25.0, 300.0])}, 1e-3)
+    found = axis_points(axis_file_of(example()), {"drive.K_v": np.array([25.0, 300.0])}, [1e-3])
     assert found["stable"].tolist() == [True, False]
-    assert found["regime"].tolist() == [Regime.STICKS, Regime.SWINGS]
+    assert found["regime"].tolist() == [[Regime.STICKS], [Regime.SWINGS]]
     assert math.isinf(found["critical_feed"][1])
-    assert math.isnan(found["jump"][1])
+    assert math.isnan(found["jump"][1, 0])
 
 
 @pytest.mark.parametrize("text", [FALLING, GROWING, example()])
 def test_regimes_alone_are_those_of_the_full_judgement(text: str) -> None:
-    file, feeds = axis_file_of(text), np.array([[1e-4, 1e-3, 5e-3, 0.03]])
+    file, feeds = axis_file_of(text), [1e-4, 1e-3, 5e-3, 0.03]
     changes = {"axis.mass": np.array([500.0])}
     full = axis_points(file, changes, feeds)
     alone = axis_points(file, changes, feeds, regimes_only=True)
@@ -111,10 +111,10 @@ def test_a_variant_that_cannot_be_computed_is_unknown_and_costs_no_other_one(
 
     monkeypatch.setattr("stickslip_design.points.axes.critical_velocity", failing)
     file, mass = axis_file_of(GROWING), np.array([500.0, 600.0])
-    found = axis_points(file, {"axis.mass": mass}, 2e-4)
-    assert found["regime"].tolist() == [Regime.STICKS, Regime.UNKNOWN]
-    assert np.isnan([found[name][1] for name in ("critical_feed", "jump", "rate")]).all()
-    for name, column in axis_points(file, {"axis.mass": mass[:1]}, 2e-4).items():
+    found = axis_points(file, {"axis.mass": mass}, [2e-4])
+    assert found["regime"].tolist() == [[Regime.STICKS], [Regime.UNKNOWN]]
+    assert all(np.isnan(found[name][1]).all() for name in ("critical_feed", "jump", "rate"))
+    for name, column in axis_points(file, {"axis.mass": mass[:1]}, [2e-4]).items():
         assert found[name][0] == column[0], name
 
 
@@ -131,4 +131,4 @@ def test_a_variant_that_cannot_be_computed_is_unknown_and_costs_no_other_one(
 def test_a_bad_number_or_feed_is_refused_by_name(changes: Any, feed: Any, message: str) -> None:
     arrays = {name: np.array(values) for name, values in changes.items()}
     with pytest.raises((AxisError, ValueError), match=message):
-        axis_points(axis_file_of(ZETA), arrays, feed)
+        axis_points(axis_file_of(ZETA), arrays, [feed])

@@ -14,10 +14,9 @@ from stickslip_design.chunks import Study, run
 from stickslip_design.datasets import digest_of
 from stickslip_design.tolerances.indices import Mixed
 from stickslip_design.tolerances.nominal import Turns
-from stickslip_design.tolerances.question import question
 from stickslip_design.tolerances.result import Scatter
 from stickslip_design.tolerances.samples import Population, Samples
-from stickslip_design.tolerances.study import answer
+from stickslip_design.tolerances.study import answer, question
 from tests.design.tolerances.series import MU_K, gap, series, share_that_jumps
 
 MU_S = {"friction.mu_s": "normal 0.2 0.02"}

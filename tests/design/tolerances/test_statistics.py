@@ -10,7 +10,7 @@ from scipy.special import ndtri
 
 from stickslip_design.tolerances.indices import indices, mixed
 from stickslip_design.tolerances.probability import interval, probability, ranks
-from stickslip_design.tolerances.sampling import correlated, factor_of, shares
+from stickslip_design.tolerances.samples import correlated, factor_of, shares
 
 NAMES = ("a", "b", "c")
 ROWS = 4096

@@ -1,7 +1,6 @@
 """`stickslip map`: the steady motion over ranges of two parameters or more."""
 
 import re
-from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -11,11 +10,12 @@ from stickslip.commands.expanded import Only, command, named
 from stickslip.commands.options import Computing
 from stickslip.commands.shared import say
 from stickslip.errors import CommandError
-from stickslip.parameters import Parameters, above_zero
+from stickslip.parameters import Parameters
 
 if TYPE_CHECKING:
     import xarray
 
+    from stickslip_design.chunks import Results
     from stickslip_design.maps.grid import GridStudy
 
 
@@ -73,74 +73,52 @@ def map(  # noqa: A001 - the name of the command
     ] = None,
 ) -> None:
     """Map jump, period and regime over two parameters or more: pictures, a page and a dataset."""
-    from stickslip.commands.running import computed as run
-    from stickslip_design.maps.study import computed
+    from stickslip import studies
+    from stickslip.commands.running import computed
+    from stickslip_design.maps.sources import OverError
+    from stickslip_design.points.slips import native_problem
 
-    values, name = p.values, p.law
-    held = {each: "--" + each.replace("_", "-") for each in p.given}
-    held |= dict.fromkeys(p.own, "--law-parameter")
+    options = {each: "--" + each.replace("_", "-") for each in p.given}
+    options |= dict.fromkeys(p.own, "--law-parameter")
     if axis is None:
         if feed is not None:
             raise CommandError("--feed goes with an axis file; the block has --v")
     else:
-        given = [*held.values(), *(["--curve"] if p.curve else [])]
+        of_block = [*options.values(), *(["--curve"] if p.curve else [])]
         if p.law != Parameters().law:
-            given.append("--law")
-        if given:
-            raise CommandError(f"{given[0]} goes with a map of the block; {axis} states the axis")
-        values = {} if feed is None else {"feed": above_zero(feed, "m/s", "feed")}
-        held, name = {} if feed is None else {"feed": "--feed"}, axis.stem
-    study = _study(over or [], axis, p.law, values, held, p.curve, limit)
-    folder = output or f"{name}-map"
-    _check_folder(folder)
-    dataset = computed(
-        study,
-        folder=folder,
-        run=lambda place: run(study, place, described="Computing the map", **vars(computing)),
-    )
-    _show(dataset, folder)
+            of_block.append("--law")
+        if of_block:
+            raise CommandError(
+                f"{of_block[0]} goes with a map of the block; {axis} states the axis"
+            )
+        options = {} if feed is None else {"feed": "--feed"}
+    ranges = named(over or [], "--over")
+    for name in ranges:
+        of_curve = p.curve and re.fullmatch(r"shape|n_points|mu_\d+|u_\d+", name)
+        option = "--curve" if of_curve else options.get(name)
+        if option is not None:
+            raise CommandError(f"--over: {name} is set by {option} too")
+    folder = output or f"{p.law if axis is None else axis.stem}-map"
+    if "://" not in folder and Path(folder).exists() and not Path(folder).is_dir():
+        raise CommandError(f"-o {folder}: it is a file; name a folder")
 
+    def compute(study: "GridStudy", place: str | None) -> "Results":
+        if study.source.by_slips and (problem := native_problem()) is not None:
+            say(f"warning: {problem}; the Python block computes, some hundred times slower")
+        return computed(study, place, described="Computing the map", **vars(computing))
 
-def _study(
-    over: list[str],
-    axis: Path | None,
-    law: str,
-    values: Mapping[str, float],
-    held: Mapping[str, str],
-    curve: Path | None,
-    limit: bool | None,
-) -> "GridStudy":
-    from stickslip_design.datasets import need
-    from stickslip_design.maps.over import OverError
-    from stickslip_design.maps.study import study_of
-    from stickslip_design.points.slips import native_problem
-
-    for package in ("xarray", "zarr"):
-        need(package)
     try:
-        ranges = named(over, "--over")
-        for name in ranges:
-            of_curve = curve is not None and re.fullmatch(r"shape|n_points|mu_\d+|u_\d+", name)
-            by = "--curve" if of_curve else held.get(name)
-            if by is not None:
-                raise OverError(f"{name} is set by {by} too")
-        study = study_of(ranges, values=values, law=law, axis=axis, limit=limit)
+        dataset = studies.map(
+            ranges, p, axis=axis, feed=feed, limit=limit, folder=folder, compute=compute
+        )
     except OverError as error:
         raise CommandError(f"--over: {error}") from error
-    if study.source.by_slips and (problem := native_problem()) is not None:
-        say(f"warning: {problem}; the Python block computes, some hundred times slower")
-    return study
-
-
-def _check_folder(folder: str) -> None:
-    """Refuse a folder that cannot be one before the study, not after it."""
-    path = Path(folder)
-    if "://" not in folder and path.exists() and not path.is_dir():
-        raise CommandError(f"-o {folder}: it is a file; name a folder")
+    _show(dataset, folder)
 
 
 def _show(dataset: "xarray.Dataset", folder: str) -> None:
     """Write picture and page beside the dataset, and print what the map says."""
+    from stickslip_design.chunks.store import store_of
     from stickslip_design.maps.page import MOST_SLICES, page
     from stickslip_design.maps.pictures import picture
     from stickslip_design.maps.study import FILE
@@ -150,21 +128,13 @@ def _show(dataset: "xarray.Dataset", folder: str) -> None:
     (drawn,), told = view.slices([view.nearest()]), view.overall()
     files = {
         "map.png": picture(view, drawn),
-        "index.html": page(view, view.slices(view.places(MOST_SLICES)), told).encode("utf-8"),
+        "index.html": page(view, view.places(MOST_SLICES), told).encode("utf-8"),
     }
+    store = store_of(folder)
     for name, content in files.items():
-        _write(folder, name, content)
+        try:
+            store.write(name, content)
+        except OSError as error:
+            raise CommandError(f"-o {folder}: cannot write {name}: {error.strerror}") from error
     print("\n".join(told))
     print("files:", ", ".join(f"{folder}/{name}" for name in (FILE, *files)))
-
-
-def _write(folder: str, name: str, content: bytes) -> None:
-    if "://" in folder:
-        from stickslip_design.chunks.store import store_of
-
-        store_of(folder).write(name, content)
-        return
-    from stickslip.files import writing
-
-    with writing(Path(folder, name), "-o") as stream:
-        stream.write(content)

@@ -110,8 +110,7 @@ def scatter(
     from stickslip_design.axis import read_axis_file
     from stickslip_design.chunks import Results, Study
     from stickslip_design.datasets import need
-    from stickslip_design.tolerances.question import question
-    from stickslip_design.tolerances.study import answer
+    from stickslip_design.tolerances.study import answer, question
     from stickslip_design.tolerances.words import sentences
 
     asked = question(

@@ -6,13 +6,15 @@ import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from hashlib import sha256
-from typing import Any, NamedTuple
+from typing import Any, Final, NamedTuple
 
 import numpy as np
 
 from ..chunks import Columns
-from .over import Dimension
-from .sources import Source
+from .sources import Dimension, Source
+
+SLAB: Final = 2**20
+"""Points that are read or written at a time: some 100 MB of columns, a chunk of the dataset."""
 
 
 class Box(NamedTuple):

@@ -5,9 +5,9 @@ from __future__ import annotations
 import base64
 import io
 import json
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Final, NamedTuple
+from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 from markupsafe import Markup
@@ -19,10 +19,11 @@ from stickslip_verification.report.environment import environment, text_of
 from ..points.columns import Regime
 from ..shown import number
 from .pictures import COLOUR_MAP, EVEN, SWINGS, UNKNOWN
-from .views import VALID, Colours, Side, Slice, Variable, View, colours, contours
+from .views import VALID, Side, Unit, View, colours, contours
 
 if TYPE_CHECKING:
-    from matplotlib.colors import Colormap
+    import xarray
+    from matplotlib.colors import Colormap, Normalize
 
 MOST_SLICES: Final = 60
 """Slices that a page holds; of more, some are chosen evenly."""
@@ -41,61 +42,47 @@ _LEAST_TICKS: Final = 2
 _MOST_TICKS: Final = 7
 
 
-class Tick(NamedTuple):
-    """A tick: where it stands on its side, in the units of the SVG, and its label."""
-
-    at: float
-    label: str
-
-
-class _Bar(NamedTuple):
-    """The bar of colours of a variable."""
-
-    label: str
-    ticks: list[Tick]
-    classes: list[tuple[str, str]]
-
-
-def page(view: View, slices: Sequence[Slice], told: Sequence[str]) -> str:
+def page(view: View, places: Sequence[Mapping[str, int]], told: Sequence[str]) -> str:
     """Return a map as a page for the browser.
 
     Parameters
     ----------
     view
         The map.
-    slices
-        Those of `View.places` that the page holds.
+    places
+        The slices that the page holds, as of `View.places`.
     told
         What the whole map says, a line each.
     """
-    from matplotlib.colors import to_hex
+    from matplotlib.colors import LogNorm, to_hex
 
-    places = [each.place for each in slices]
-    bars: dict[str, _Bar] = {}
+    slices = view.slices(places)
+    bars: dict[str, tuple[str, list[tuple[float, str]]]] = {}
     pictures: dict[str, list[str]] = {}
-    for variable in view.variables:
-        samples = [each.columns[variable.name] for each in slices]
-        scale = colours(view.units(variable.name), samples)
-        bars[variable.name] = _bar(variable, scale)
-        pictures[variable.name] = [_picture(each, variable, scale) for each in slices]
-    chosen = {each.name: sorted({place[each.name] for place in places}) for each in view.further}
+    for name, words in view.variables.items():
+        norm, unit = colours([part[name] for part in slices])
+        values = norm.inverse(np.linspace(0.0, 1.0, _LEVELS)) * unit.size
+        log = isinstance(norm, LogNorm)
+        bars[name] = unit.label(words), ticks(Side(name, words, values, unit, log), _WIDTH)
+        pictures[name] = [_picture(view, part, name, norm, unit) for part in slices]
+    chosen = {side.name: sorted({place[side.name] for place in places}) for side in view.further}
     data = {
         "pictures": pictures,
-        "limits": [_path(view.border(each), 0.0) for each in slices],
-        "valid": [_path(_error(each), VALID) for each in slices],
-        "told": [view.summary(each) for each in slices],
-        "counts": [len(chosen[each.name]) for each in view.further],
+        "limits": [_path(view.border(part), 0.0) for part in slices],
+        "valid": [_path(view.error(part), VALID) for part in slices],
+        "told": [view.summary(part) for part in slices],
+        "counts": [len(numbers) for numbers in chosen.values()],
     }
     nearest = view.nearest()
     sliders = [
         {
-            "name": each.name,
-            "description": each.description,
-            "labels": [each.unit.told(float(each.values[n])) for n in chosen[each.name]],
-            "start": int(np.argmin(np.abs(np.array(chosen[each.name]) - nearest[each.name]))),
-            "left_out": each.values.size - len(chosen[each.name]),
+            "name": side.name,
+            "description": side.description,
+            "labels": [side.unit.told(float(side.values[n])) for n in chosen[side.name]],
+            "start": int(np.argmin(np.abs(np.array(chosen[side.name]) - nearest[side.name]))),
+            "left_out": side.values.size - len(chosen[side.name]),
         }
-        for each in view.further
+        for side in view.further
     ]
     versions: dict[str, str] = json.loads(view.dataset.attrs["versions"])
     folder = Path(__file__).parent / "templates"
@@ -105,7 +92,7 @@ def page(view: View, slices: Sequence[Slice], told: Sequence[str]) -> str:
         bars=bars,
         sliders=sliders,
         x_ticks=ticks(view.x, _WIDTH),
-        y_ticks=[each._replace(at=_HEIGHT - each.at) for each in ticks(view.y, _HEIGHT)],
+        y_ticks=[(_HEIGHT - at, label) for at, label in ticks(view.y, _HEIGHT)],
         width=_WIDTH,
         height=_HEIGHT,
         point=_point(view),
@@ -124,10 +111,11 @@ def page(view: View, slices: Sequence[Slice], told: Sequence[str]) -> str:
     )  # fmt: skip
 
 
-def ticks(side: Side, length: float) -> list[Tick]:
-    """Return the ticks of a side of so many units, on which the values stand evenly.
+def ticks(side: Side, length: float) -> list[tuple[float, str]]:
+    """Return place and label of the ticks of a side, on which the values stand evenly.
 
-    A tick stands where its number would: between two values by the scale of the side.
+    A tick stands where its number would, between two values by the scale of the side; places are in
+    the units of the SVG, of which the side has `length`.
     """
     from matplotlib.ticker import LogLocator, MaxNLocator
 
@@ -145,28 +133,26 @@ def ticks(side: Side, length: float) -> list[Tick]:
             numbers = found[(found >= low - slack) & (found <= high + slack)]
             if numbers.size >= _LEAST_TICKS:
                 break
-    scale = np.log if side.log else np.asarray
-    places = np.interp(scale(numbers), scale(shown), np.arange(shown.size))
-    ways = (places + 0.5) / shown.size * length
+    ways = (side.places(numbers * side.unit.size) + 0.5) / shown.size * length
     return [
-        Tick(round(float(at), 2), number(float(value), 4))
+        (round(float(at), 2), number(float(value), 4))
         for at, value in zip(ways, numbers, strict=True)
     ]
 
 
-def _picture(part: Slice, variable: Variable, scale: Colours) -> str:
+def _picture(view: View, part: xarray.Dataset, name: str, norm: Normalize, unit: Unit) -> str:
     """Return a variable in a slice as PNG, as an address of data."""
     from matplotlib.colors import to_rgb
     from PIL import Image
 
-    values = part.columns[variable.name]
-    if variable.name == "regime":
+    values = part[name].values
+    if name == "regime":
         rgb = np.tile(to_rgb(_STICKS), (*values.shape, 1))
     else:
         known = np.isfinite(values)
-        rgb = _colour_map()(scale.norm(scale.shown(np.where(known, values, 0.0))))[..., :3]
+        rgb = _colour_map()(norm(np.abs(np.where(known, values, 0.0)) / unit.size))[..., :3]
         rgb[~known] = to_rgb(UNKNOWN)
-    regime = part.columns.get("regime", np.full(values.shape, Regime.STICKS))
+    regime = view.regime(part)
     for kind, look in _LOOKS.items():
         rgb[regime == kind] = to_rgb(look)
     # The first row of a picture is its top.
@@ -180,11 +166,6 @@ def _colour_map() -> Colormap:
     import matplotlib as mpl
 
     return mpl.colormaps[COLOUR_MAP].resampled(_LEVELS)
-
-
-def _error(part: Slice) -> NDArray[Any] | None:
-    error = part.columns.get("simplified_error")
-    return None if error is None else np.abs(error)
 
 
 def _path(field: NDArray[Any] | None, level: float) -> str:
@@ -205,25 +186,13 @@ def _path(field: NDArray[Any] | None, level: float) -> str:
     return "".join(texts)
 
 
-def _bar(variable: Variable, scale: Colours) -> _Bar:
-    from matplotlib.colors import LogNorm
-
-    if variable.name == "regime":
-        classes = [("sticks", "sticks and slips"), ("swings", "swings"), ("even", "moves evenly")]
-        return _Bar(variable.words, [], classes)
-    values = scale.norm.inverse(np.linspace(0.0, 1.0, _LEVELS)) * scale.unit.size
-    whole = Side(variable.name, "", values, scale.unit, isinstance(scale.norm, LogNorm))
-    return _Bar(scale.unit.label(variable.words), ticks(whole, _WIDTH), [])
-
-
 def _point(view: View) -> tuple[float, float, str] | None:
     """Return where the block or axis itself stands in the picture, and what it is."""
-    mark = view.mark
-    if mark is None:
+    if view.mark is None:
         return None
-    found = []
-    for side, length, value in ((view.x, _WIDTH, mark.x), (view.y, _HEIGHT, mark.y)):
-        scale = np.log if side.log else np.asarray
-        place = float(np.interp(scale(value), scale(side.values), np.arange(side.values.size)))
-        found.append((place + 0.5) / side.values.size * length)
-    return found[0], _HEIGHT - found[1], mark.label
+    x, y, words = view.mark
+    x, y = (
+        (float(side.places(value)) + 0.5) / side.values.size * length
+        for side, value, length in ((view.x, x, _WIDTH), (view.y, y, _HEIGHT))
+    )
+    return x, _HEIGHT - y, words

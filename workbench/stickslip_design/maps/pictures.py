@@ -14,7 +14,7 @@ from stickslip_verification.report.svg import STYLE
 from ..datasets import need
 from ..points.columns import Regime
 from ..shown import number
-from .views import VALID, Side, Slice, View, colours, contours
+from .views import VALID, Side, View, colours, contours
 
 if TYPE_CHECKING:
     import xarray
@@ -31,11 +31,9 @@ UNKNOWN: Final = "#ffffff"
 
 _LIMIT: Final = "#d55e00"
 _VALID: Final = "#ffffff"
-_POINT: Final = "#d55e00"
 _INK: Final = "#2b2f36"
 _SIZE: Final = (7.2, 5.2)
 _DOTS: Final = 150
-_SIMPLIFIED: Final = "simplified_error"
 
 
 class Accessor:
@@ -65,7 +63,7 @@ def register() -> None:
     need("xarray").register_dataset_accessor("stickslip")(Accessor)
 
 
-def picture(view: View, part: Slice) -> bytes:
+def picture(view: View, part: xarray.Dataset) -> bytes:
     """Draw a slice of a map as PNG; `figure`."""
     import matplotlib as mpl
 
@@ -76,7 +74,7 @@ def picture(view: View, part: Slice) -> bytes:
     return stream.getvalue()
 
 
-def figure(view: View, part: Slice) -> Figure:
+def figure(view: View, part: xarray.Dataset) -> Figure:
     """Draw a slice of a map, the first parameter to the right, the second one upward."""
     import matplotlib as mpl
     from matplotlib.backends.backend_agg import FigureCanvasAgg
@@ -89,24 +87,23 @@ def figure(view: View, part: Slice) -> Figure:
     return drawn
 
 
-def _draw(axes: Axes, view: View, part: Slice) -> None:
+def _draw(axes: Axes, view: View, part: xarray.Dataset) -> None:
     import matplotlib as mpl
     from matplotlib.colors import ListedColormap
     from matplotlib.lines import Line2D
     from matplotlib.patches import Patch
 
-    main = view.variables[0]
-    values = part.columns[main.name]
-    scale = colours(view.units(main.name), [values])
+    values = part[view.main].values
+    norm, unit = colours([part[view.main]])
     x, y = view.x.shown, view.y.shown
-    regime = part.columns.get("regime", np.full(values.shape, Regime.STICKS))
+    regime = view.regime(part)
     hidden = (regime != Regime.STICKS) | ~np.isfinite(values)
     mesh = axes.pcolormesh(
         x,
         y,
-        np.ma.masked_where(hidden, scale.shown(values)),
+        np.ma.masked_where(hidden, np.abs(values) / unit.size),
         cmap=COLOUR_MAP,
-        norm=scale.norm,
+        norm=norm,
         shading="nearest",
         rasterized=True,
     )
@@ -128,8 +125,8 @@ def _draw(axes: Axes, view: View, part: Slice) -> None:
     border = view.border(part)
     if border is not None and _lines(axes, view, border, 0.0, color=_LIMIT, linewidth=2.0):
         legend.append(Line2D([], [], color=_LIMIT, linewidth=2.0, label="stick-slip ends"))
-    if _SIMPLIFIED in part.columns:
-        error = np.abs(part.columns[_SIMPLIFIED])
+    error = view.error(part)
+    if error is not None:
         if min(error.shape) > 1:
             within = np.nan_to_num(error, nan=np.inf).clip(max=1.0)
             with mpl.rc_context({"hatch.color": _VALID, "hatch.linewidth": 0.6}):
@@ -142,24 +139,25 @@ def _draw(axes: Axes, view: View, part: Slice) -> None:
                 Patch(facecolor=grey, hatch="..", edgecolor=_VALID, linewidth=0.0, label=label)
             )
     if view.mark is not None:
+        at_x, at_y, words = view.mark
         legend += axes.plot(
-            view.mark.x / view.x.unit.size,
-            view.mark.y / view.y.unit.size,
+            at_x / view.x.unit.size,
+            at_y / view.y.unit.size,
             marker="o",
             markersize=9,
             color="white",
-            markeredgecolor=_POINT,
+            markeredgecolor=_LIMIT,
             markeredgewidth=2.5,
             linestyle="none",
-            label=view.mark.label,
+            label=words,
         )
     for side, axis in ((view.x, axes.xaxis), (view.y, axes.yaxis)):
         _name(axis, side)
     bar = axes.figure.colorbar(mesh, ax=axes)
-    bar.set_label(scale.unit.label(main.words))
+    bar.set_label(unit.label(view.variables[view.main]))
     bar.outline.set_visible(False)
-    held = view.told(part.place)
-    axes.set_title(view.title + (f"\n{held}" if held else ""), fontsize=10, loc="left")
+    title = "\n".join(filter(None, (view.dataset.attrs["title"], view.told(part))))
+    axes.set_title(title, fontsize=10, loc="left")
     if legend:
         axes.legend(
             handles=legend, loc="upper left", bbox_to_anchor=(0.0, -0.12), ncols=2, fontsize=8.5
@@ -168,13 +166,10 @@ def _draw(axes: Axes, view: View, part: Slice) -> None:
 
 def _lines(axes: Axes, view: View, field: NDArray[Any], level: float, **look: Any) -> bool:
     """Draw the lines at a level; tell whether there are any."""
-    numbers = np.arange(max(field.shape))
     lines = list(contours(field, level))
     for line in lines:
-        for side, places in zip((view.x, view.y), line.T, strict=True):
-            scale, back = (np.log, np.exp) if side.log else (np.asarray, np.asarray)
-            places[:] = back(np.interp(places, numbers[: side.values.size], scale(side.shown)))
-        axes.plot(*line.T, **look, solid_capstyle="round")
+        x, y = (side.at(places) for side, places in zip((view.x, view.y), line.T, strict=True))
+        axes.plot(x, y, **look, solid_capstyle="round")
     return bool(lines)
 
 

@@ -1,4 +1,4 @@
-"""What is computed at each point of a map: the motion of a block, or of an axis."""
+"""What a map is over, as people type it, and what is computed at each of its points."""
 
 from __future__ import annotations
 
@@ -6,10 +6,11 @@ import math
 import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from difflib import get_close_matches
 from functools import partial
 from itertools import product
 from pathlib import Path
-from typing import Any, Final, TypeAlias
+from typing import Any, Final, NamedTuple, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,12 +23,17 @@ from ..points.axes import axis_points, check, read_number
 from ..points.axes import has_closed_form as axis_has_closed_form
 from ..points.blocks import WITHOUT_INFLUENCE, block_points, has_closed_form, table_of_law
 from ..points.columns import AXIS, BLOCK, FEED, WITHOUT_FEED, Column
-from ..quantity import typed
+from ..quantity import QuantityError, typed
+from ..ranges import parse_range
 from ..shown import EXACT, told
-from .over import Dimension, Quantity
 
 Values: TypeAlias = Mapping[str, NDArray[np.float64]]
 Columns: TypeAlias = Mapping[str, NDArray[np.generic]]
+
+DEFAULT_COUNT: Final = 200
+"""Values of a range that says no number of them."""
+
+_FORM: Final = "NAME=LOW..HIGH [UNIT] [log|lin] [COUNT]"
 
 MOST_LIMITS: Final = 1000
 """Searches of a critical velocity, of 10 to 100 ms, that a map makes without being told to."""
@@ -40,6 +46,109 @@ _FOLLOWED: Final = 1024
 
 _AXES: Final = 16
 """Axes of a block that are computed one by one."""
+
+
+class OverError(ValueError):
+    """A range cannot be taken; the message says which, why, and what is expected."""
+
+
+class Quantity(NamedTuple):
+    """What may be mapped over.
+
+    Attributes
+    ----------
+    unit, description
+        SI unit, "1" for a plain number; the meaning, in words.
+    read
+        Reads a quantity with its unit into SI; raises QuantityError.
+    check
+        Raises a ValueError if one of some values cannot be taken.
+    """
+
+    unit: str
+    description: str
+    read: Callable[[str], float]
+    check: Callable[[NDArray[np.float64]], object]
+
+
+@dataclass(frozen=True)
+class Dimension:
+    """A parameter and the values that it takes, rising.
+
+    Attributes
+    ----------
+    name, quantity, values
+        The parameter, what it is, and its values [SI].
+    shown, log
+        The unit in which it was typed, "" for none; whether it is drawn on a logarithmic scale.
+    """
+
+    name: str
+    quantity: Quantity
+    values: tuple[float, ...]
+    shown: str = ""
+    log: bool = False
+
+
+def dimensions(
+    over: Mapping[str, str | Sequence[float]], known: Mapping[str, Quantity]
+) -> tuple[Dimension, ...]:
+    """Return the dimensions of a map.
+
+    Parameters
+    ----------
+    over
+        By the name of a parameter its range, ``"0.1..50 mm/s log 400"``, or its values [SI].
+    known
+        What may be mapped over, by name.
+
+    Raises
+    ------
+    OverError
+        If there are less than two, a name is unknown, or a range cannot be taken.
+    """
+    if len(over) < 2:
+        raise OverError(
+            f"a map is over two parameters or more, not {len(over)}; give each as {_FORM}"
+        )
+    return tuple(_dimension(name, span, known) for name, span in over.items())
+
+
+def _dimension(name: str, span: str | Sequence[float], known: Mapping[str, Quantity]) -> Dimension:
+    if name not in known:
+        near = get_close_matches(name, known, 3, 0.4)
+        remedy = f"nearest: {', '.join(near)}" if near else f"known are {', '.join(known)}"
+        raise OverError(f"{name!r} is no parameter that can be mapped over; {remedy}")
+    quantity = known[name]
+    if isinstance(span, str):
+        text = repr(f"{name}={span}")
+        read = quantity.read
+        try:
+            spaced = parse_range(
+                span, quantity.unit, read=lambda end, _: read(end), count=DEFAULT_COUNT
+            )
+        except QuantityError as error:
+            raise OverError(f"{text} {error}") from None
+        values, log, shown = spaced.values(), spaced.log, spaced.symbol
+    else:
+        text, shown = f"the range of {name}", ""
+        values = np.asarray(span, dtype=np.float64)
+        if values.ndim != 1 or values.size < 2:
+            raise OverError(f"{text} has {values.size} values; at least 2 are needed, in one row")
+        # Drawn as it is spaced: by equal ratios or by equal distances.
+        log = bool(np.all(values > 0.0)) and _even(np.log(values)) and not _even(values)
+    if not np.all(np.diff(values) > 0.0):
+        raise OverError(f"{text} does not rise from value to value")
+    try:
+        quantity.check(values)
+    except ValueError as error:
+        raise OverError(f"{text}: {error}") from None
+    return Dimension(name, quantity, tuple(values.tolist()), shown, log)
+
+
+def _even(numbers: NDArray[np.float64]) -> bool:
+    steps = np.diff(numbers)
+    return bool(np.allclose(steps, steps.mean(), rtol=1e-6))
 
 
 @dataclass(frozen=True)
@@ -183,13 +292,11 @@ def axis_source(file: AxisFile, over: Sequence[Dimension], feed: float | None) -
 def _axes_at(file: AxisFile, feed: float | None, values: Values) -> Columns:
     changes = {name: each for name, each in values.items() if name != FEED}
     shape = np.broadcast_shapes(*(each.shape for each in values.values()))
-    feeds = values.get(FEED)
-    # The feed, where there is one, is the last dimension.
-    of_axis = shape if feeds is None else (*shape[:-1], 1)
+    # The feed, where the map is over it, is the last dimension.
+    of_axis = (*shape[:-1], 1) if FEED in values else shape
     flat = {name: np.broadcast_to(each, of_axis).ravel() for name, each in changes.items()}
-    count = math.prod(of_axis)
-    table = feed if feeds is None else np.broadcast_to(feeds.ravel(), (count, feeds.size))
-    found = axis_points(file, flat, table)
+    feeds = values[FEED].ravel().tolist() if FEED in values else [] if feed is None else [feed]
+    found = axis_points(file, flat, feeds)
     return {
         name: np.broadcast_to(each.reshape(of_axis if name in WITHOUT_FEED else shape), shape)
         for name, each in found.items()

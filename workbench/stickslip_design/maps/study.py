@@ -16,10 +16,16 @@ from ..axis import AxisFile, read_axis_file
 from ..chunks import Results
 from ..datasets import need, provenance, read_grid
 from ..points.columns import FEED
-from .grid import GridStudy, boxes
-from .over import Dimension, OverError, dimensions
+from .grid import SLAB, GridStudy, boxes
 from .pictures import register
-from .sources import axis_quantities, axis_source, block_quantities, block_source
+from .sources import (
+    OverError,
+    axis_quantities,
+    axis_source,
+    block_quantities,
+    block_source,
+    dimensions,
+)
 
 if TYPE_CHECKING:
     import xarray
@@ -29,9 +35,6 @@ FILE: Final = "map.zarr"
 
 _CHUNKS: Final = "chunks"
 """Name of the folder of the chunk files in that of the map."""
-
-_SLAB: Final = 2**20
-"""Points that are written at a time: some 100 MB of columns, and a chunk of the dataset."""
 
 _REGIMES: Final = {"flag_values": [0, 1, 2], "flag_meanings": "even sticks swings"}
 
@@ -69,19 +72,22 @@ def study_of(
 
 
 def computed(
-    study: GridStudy, *, folder: Path | str | None, run: Callable[[str | None], Results]
+    study: GridStudy,
+    folder: Path | str | None,
+    compute: Callable[[GridStudy, str | None], Results],
 ) -> xarray.Dataset:
-    """Return the dataset of a study that `run` computes in the folder that it is given."""
-    register()
+    """Return the dataset of a study that `compute` computes, given the folder of its chunks."""
+    need("xarray")
     zarr = need("zarr")
+    register()
     # A store gives its arrays back in any order.
     names = [*(each.name for each in study.over), *study.source.columns]
     if folder is None:
         store = zarr.storage.MemoryStore()
-        _write(study, run(None), store)
+        _write(study, compute(study, None), store)
         return read_grid(store)[names].load()
     target = _inside(folder, FILE)
-    results = run(_inside(folder, _CHUNKS))
+    results = compute(study, _inside(folder, _CHUNKS))
     # A local dataset has its name when it is whole.
     local = "://" not in target
     place = f"{target}.part" if local else target
@@ -104,13 +110,18 @@ def _write(study: GridStudy, results: Results, target: Any) -> None:
     """Write the dataset slab by slab."""
     group = need("zarr").open_group(target, mode="w")
     for each in study.over:
-        values = np.array(each.values)
+        attributes = {
+            "units": each.quantity.unit,
+            "long_name": each.quantity.description,
+            "shown_in": each.shown,
+            "spacing": "log" if each.log else "lin",
+        }
         group.create_array(
-            each.name, data=values, dimension_names=(each.name,), attributes=_of(each),
-            fill_value=np.nan,
+            each.name, data=np.array(each.values), dimension_names=(each.name,),
+            attributes=attributes, fill_value=np.nan,
         )  # fmt: skip
     inner = [each.name for each in study.dimensions]
-    for box in boxes(study.shape, 0, study.count, _SLAB):
+    for box in boxes(study.shape, 0, study.count, SLAB):
         for name, column in results.read(box.start, box.stop).items():
             about = study.source.columns[name]
             names = [each.name for each in study.over if each.name not in about.without]
@@ -140,13 +151,3 @@ def _write(study: GridStudy, results: Results, target: Any) -> None:
             **provenance(study.identity),
         }
     )
-
-
-def _of(dimension: Dimension) -> dict[str, str]:
-    """Return the attributes of a coordinate."""
-    return {
-        "units": dimension.unit,
-        "long_name": dimension.description,
-        "shown_in": dimension.shown,
-        "spacing": "log" if dimension.log else "lin",
-    }

@@ -11,13 +11,13 @@ from itertools import product
 from typing import TYPE_CHECKING, Any, Final, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from ..datasets import need
 from ..points.columns import Regime
 from ..quantity import on_data_sheet
 from ..shown import number
-from .grid import boxes
+from .grid import SLAB, boxes
 
 if TYPE_CHECKING:
     import xarray
@@ -30,9 +30,6 @@ VALID: Final = 0.1
 
 _MOST_PIXELS: Final = 400
 """Values of a parameter that a picture shows."""
-
-_SLAB: Final = 2**20
-"""Points that are read at a time."""
 
 _BESIDE: Final = ("regime", "at_limit", "simplified_error", "v_c", "critical_feed")
 """Variables that pictures and summary use beside those shown."""
@@ -115,50 +112,29 @@ class Side:
         """Name and unit."""
         return self.unit.label(self.name)
 
+    def places(self, values: ArrayLike) -> Floats:
+        """Return where values [SI] stand among those of the side, by its scale, from 0 on."""
+        scale = np.log if self.log else np.asarray
+        numbers = np.asarray(values, dtype=np.float64)
+        return np.interp(scale(numbers), scale(self.values), np.arange(self.values.size))
 
-class Slice(NamedTuple):
-    """A part of a map over two parameters.
-
-    Attributes
-    ----------
-    place
-        Number of the value of each further parameter.
-    data
-        The variables [SI], by y and x.
-    """
-
-    place: Mapping[str, int]
-    data: xarray.Dataset
-
-    @property
-    def columns(self) -> dict[str, NDArray[Any]]:
-        """The variables [SI] by name, arrays (values of y, values of x)."""
-        return {str(name): each.values for name, each in self.data.data_vars.items()}
+    def at(self, places: Floats) -> Floats:
+        """Return the values in the unit shown that stand at places."""
+        scale, back = (np.log, np.exp) if self.log else (np.asarray, np.asarray)
+        return np.asarray(back(np.interp(places, np.arange(self.values.size), scale(self.shown))))
 
 
-class Mark(NamedTuple):
-    """Values of x and y [SI] that are marked in the picture, and what they are."""
-
-    x: float
-    y: float
-    label: str
-
-
-class Variable(NamedTuple):
-    """A variable that pictures show, by its name in the dataset and in words."""
-
-    name: str
-    words: str
-
-
-VARIABLES: Final = (
-    *(Variable("delta_x", "Jump"), Variable("jump", "Jump")),
-    *(Variable("f", "Frequency"), Variable("rate", "Frequency")),
-    Variable("stick_share", "Stick share"),
-    Variable("regime", "Regime"),
-    *(Variable("v_c", "Critical velocity"), Variable("critical_feed", "Critical feed")),
-)
-"""What pictures show, in this order, where a map has it."""
+VARIABLES: Final = {
+    "delta_x": "Jump",
+    "jump": "Jump",
+    "f": "Frequency",
+    "rate": "Frequency",
+    "stick_share": "Stick share",
+    "regime": "Regime",
+    "v_c": "Critical velocity",
+    "critical_feed": "Critical feed",
+}
+"""What pictures show, in this order, where a map has it: name in the dataset, and words."""
 
 JUMPS: Final = ("delta_x", "jump")
 _LIMITS: Final = (("v_c", "v"), ("critical_feed", "feed"))
@@ -171,8 +147,8 @@ class View:
     ----------
     x, y, further
         The first and the second parameter, and the others.
-    variables
-        What there is to show; the first one is the main one.
+    variables, main
+        What there is to show, by name in words, and the name of the first one.
     point
         The values [SI] that the block or axis itself has, by parameter.
     """
@@ -181,37 +157,27 @@ class View:
         self.dataset = dataset
         self._order: list[str] = json.loads(dataset.attrs["over"])
         x, y, *self.further = (_side(dataset, name) for name in self._order)
-        self._columns, self._rows = _thinned(x.values.size), _thinned(y.values.size)
+        self._columns, self._rows = (_thinned(each.values.size, _MOST_PIXELS) for each in (x, y))
         self.x = replace(x, values=x.values[self._columns])
         self.y = replace(y, values=y.values[self._rows])
         self.point: dict[str, float] = json.loads(dataset.attrs["point"])
-        self.variables = [
-            each
-            for each in VARIABLES
-            if each.name in dataset.variables
-            # The limit is a line in the picture of the jump.
-            and not (each.name in dict(_LIMITS) and any(name in dataset for name in JUMPS))
-        ]
+        # The limit is a line in the picture of the jump.
+        hidden = dict(_LIMITS) if any(name in dataset for name in JUMPS) else {}
+        self.variables = {
+            name: words
+            for name, words in VARIABLES.items()
+            if name in dataset.variables and name not in hidden
+        }
+        self.main = next(iter(self.variables))
 
     @property
-    def title(self) -> str:
-        """What is mapped, in words."""
-        return str(self.dataset.attrs["title"])
-
-    @property
-    def mark(self) -> Mark | None:
-        """Where the block or the axis itself is, if that is in the picture."""
-        sides = (self.x, self.y)
-        values = [self.point.get(side.name, math.nan) for side in sides]
-        both = list(zip(sides, values, strict=True))
+    def mark(self) -> tuple[float, float, str] | None:
+        """The x and y [SI] of the block or the axis itself, and words, if in the picture."""
+        both = [(side, self.point.get(side.name, math.nan)) for side in (self.x, self.y)]
         if not all(side.values[0] <= value <= side.values[-1] for side, value in both):
             return None
-        told = ", ".join(f"{side.name} = {side.unit.told(value)}" for side, value in both)
-        return Mark(values[0], values[1], told)
-
-    def units(self, name: str) -> str:
-        """Return the SI unit of a variable."""
-        return str(self.dataset[name].attrs["units"])
+        words = ", ".join(f"{side.name} = {side.unit.told(value)}" for side, value in both)
+        return both[0][1], both[1][1], words
 
     def places(self, most: int) -> list[dict[str, int]]:
         """Return which slices are shown: values of the further parameters, thinned evenly.
@@ -226,7 +192,7 @@ class View:
             largest = counts.index(max(counts))
             counts[largest] = max(2, (counts[largest] + 1) // 2)
         chosen = [
-            np.unique(np.linspace(0, each.values.size - 1, count).round().astype(int)).tolist()
+            _thinned(each.values.size, count).tolist()
             for each, count in zip(self.further, counts, strict=True)
         ]
         names = [each.name for each in self.further]
@@ -241,60 +207,70 @@ class View:
             for each in self.further
         }
 
-    def slices(self, places: Sequence[Mapping[str, int]]) -> list[Slice]:
+    def slices(self, places: Sequence[Mapping[str, int]]) -> list[xarray.Dataset]:
         """Read some slices, all combinations of some values of the further parameters.
 
-        Of a side with more values than a picture has room for some are chosen evenly.
+        Variables [SI] by y and x, and the further parameters as coordinates. Of a side with more
+        values than a picture has room for some are chosen evenly.
         """
-        used = dict.fromkeys([*(each.name for each in self.variables), *_BESIDE])
+        used = dict.fromkeys([*self.variables, *_BESIDE])
         names = [name for name in used if name in self.dataset.data_vars]
         chosen = {
             each.name: sorted({place[each.name] for place in places}) for each in self.further
         }
         sides = {self.y.name: self._rows, self.x.name: self._columns}
         read = self.dataset[names].isel({**sides, **chosen}).load()
-        found = []
-        for place in places:
-            # What does not depend on a side is the same all along it.
-            cut = read.isel({name: chosen[name].index(n) for name, n in place.items()})
-            (part,) = need("xarray").broadcast(cut)
-            found.append(Slice(place, part.transpose(*sides)))
-        return found
+        # What does not depend on a side is the same all along it.
+        (full,) = need("xarray").broadcast(read)
+        full = full.transpose(*sides, ...)
+        return [
+            full.isel({name: chosen[name].index(n) for name, n in place.items()})
+            for place in places
+        ]
 
-    def border(self, part: Slice) -> Floats | None:
+    def border(self, part: xarray.Dataset) -> Floats | None:
         """Return what is 0 where stick-slip ends: ln(v / v_c), else the border of the regime."""
         for limit, speed in _LIMITS:
-            if limit in part.data and speed in (self.x.name, self.y.name):
+            if limit in part and speed in (self.x.name, self.y.name):
                 with np.errstate(divide="ignore", invalid="ignore"):
-                    ratio = abs(part.data[speed]) / part.data[limit]
+                    ratio = abs(part[speed]) / part[limit]
                     log = np.log(ratio.transpose(self.y.name, self.x.name).values)
                 # Where the search of a limit has failed there is none to draw.
                 return np.asarray(np.clip(log, -30.0, 30.0))
-        if "regime" not in part.data:
+        if "regime" not in part:
             return None
-        return np.where(part.data["regime"].values == Regime.STICKS, -0.5, 0.5)
+        return np.where(part["regime"].values == Regime.STICKS, -0.5, 0.5)
 
-    def told(self, place: Mapping[str, int]) -> str:
+    def regime(self, part: xarray.Dataset) -> NDArray[Any]:
+        """Return the regimes of a slice; a map without counts as one that sticks and slips."""
+        if "regime" in part:
+            return part["regime"].values
+        return np.full(part[self.main].shape, Regime.STICKS)
+
+    def error(self, part: xarray.Dataset) -> Floats | None:
+        """Return the magnitude of the error of the simplified formula."""
+        return np.abs(part["simplified_error"].values) if "simplified_error" in part else None
+
+    def told(self, part: xarray.Dataset) -> str:
         """Return the values of the further parameters of a slice, in words."""
         return ", ".join(
-            f"{each.name} = {each.unit.told(float(each.values[place[each.name]]))}"
-            for each in self.further
+            f"{each.name} = {each.unit.told(float(part[each.name]))}" for each in self.further
         )
 
-    def summary(self, part: Slice) -> str:
+    def summary(self, part: xarray.Dataset) -> str:
         """Return what a slice shows, in words."""
-        return "; ".join(self._seen([part.data])[1])
+        return "; ".join(self._seen([part])[1])
 
     def overall(self) -> list[str]:
         """Return what the whole map says, a line each; it is read a slab at a time."""
-        names = [self.variables[0].name, "regime", "at_limit"]
+        names = [self.main, "regime", "at_limit"]
         data = self.dataset[[name for name in names if name in self.dataset]]
         fast = [name for name in self._order if name in _FASTEST]
         order = [*(name for name in self._order if name not in fast), *fast]
         sizes = tuple(data.sizes[name] for name in order)
         points, (*lines,), at_limit = self._seen(
             data.isel(dict(zip(order, box.slices, strict=True))).load()
-            for box in boxes(sizes, 0, math.prod(sizes), _SLAB)
+            for box in boxes(sizes, 0, math.prod(sizes), SLAB)
         )
         first = f"{points} points"
         if "regime" in data:
@@ -306,7 +282,6 @@ class View:
 
     def _seen(self, parts: Iterable[xarray.Dataset]) -> tuple[int, list[str], int]:
         """Return what parts of a map say together: points, regimes and largest value, at limits."""
-        main = self.variables[0]
         counts, points, at_limit = Counter[int](), 0, 0
         largest, where = 0.0, dict[str, float]()
         for part in parts:
@@ -316,14 +291,12 @@ class View:
                 counts.update(dict(zip(kinds.tolist(), numbers.tolist(), strict=True)))
             if "at_limit" in part:
                 at_limit += int(np.count_nonzero(part["at_limit"].values))
-            values = np.abs(np.where(np.isfinite(part[main.name]), part[main.name], 0.0))
-            if values.max() > largest:
-                largest = float(values.max())
-                places = np.unravel_index(int(np.argmax(values)), values.shape)
-                where = {
-                    str(name): float(part[name].values[place])
-                    for name, place in zip(part[main.name].dims, places, strict=True)
-                }
+            main = abs(part[self.main])
+            main = main.where(np.isfinite(main), 0.0)
+            peak = main[main.argmax(...)]
+            if peak > largest:
+                largest = float(peak)
+                where = {str(name): float(peak[name]) for name in main.dims}
         lines = []
         if counts:
             shares = (
@@ -337,13 +310,15 @@ class View:
             at = ", ".join(
                 f"{name} = {units[name].told(where[name])}" for name in self._order if name in where
             )
-            unit = unit_of(self.units(main.name), largest)
-            lines.append(f"largest {main.words.lower()} {unit.told(largest)} at {at}")
+            unit = unit_of(self.dataset[self.main].attrs["units"], largest)
+            lines.append(
+                f"largest {self.variables[self.main].lower()} {unit.told(largest)} at {at}"
+            )
         return points, lines, at_limit
 
 
-def _thinned(size: int) -> NDArray[np.intp]:
-    return np.unique(np.linspace(0, size - 1, min(size, _MOST_PIXELS)).round().astype(np.intp))
+def _thinned(size: int, most: int) -> NDArray[np.intp]:
+    return np.unique(np.linspace(0, size - 1, min(size, most)).round().astype(np.intp))
 
 
 _VERBS: Final = {
@@ -354,43 +329,27 @@ _VERBS: Final = {
 }
 
 
-class Colours(NamedTuple):
-    """How values of a variable become colours: a norm of matplotlib, for values in `unit`."""
+def colours(parts: Sequence[xarray.DataArray]) -> tuple[Normalize, Unit]:
+    """Return how magnitudes of a variable in some slices become colours, and in which unit.
 
-    norm: Normalize
-    unit: Unit
-
-    def shown(self, values: NDArray[Any]) -> Floats:
-        """Return magnitudes of values [SI] in the unit."""
-        return np.asarray(np.abs(values) / self.unit.size)
-
-
-def colours(unit: str, samples: Sequence[NDArray[Any]]) -> Colours:
-    """Return the colours of a variable over some slices, by its magnitudes above 0.
-
-    Parameters
-    ----------
-    unit
-        SI unit of the variable.
-    samples
-        Its values in the slices that are shown.
+    The norm of matplotlib takes magnitudes in that unit.
     """
     from matplotlib.colors import LogNorm, Normalize
 
     low, high = math.inf, 0.0
-    for each in samples:
-        magnitudes = np.abs(each)
+    for part in parts:
+        magnitudes = np.abs(part.values)
         magnitudes = magnitudes[np.isfinite(magnitudes) & (magnitudes > 0.0)]
         if magnitudes.size:
             low, high = min(low, float(magnitudes.min())), max(high, float(magnitudes.max()))
     if high == 0.0:
         low, high = 0.0, 1.0
-    shown = unit_of(unit, high)
-    log = unit != "1" and high > _FACTOR * low > 0.0
+    symbol = parts[0].attrs["units"]
+    unit = unit_of(symbol, high)
+    log = symbol != "1" and high > _FACTOR * low > 0.0
     # Below the largest by more than four powers of ten colours would tell nothing.
     low = max(low, 1e-4 * high) if log else 0.0
-    norm = (LogNorm if log else Normalize)(low / shown.size, high / shown.size, clip=True)
-    return Colours(norm, shown)
+    return (LogNorm if log else Normalize)(low / unit.size, high / unit.size, clip=True), unit
 
 
 def contours(field: NDArray[Any], level: float) -> Iterator[Floats]:

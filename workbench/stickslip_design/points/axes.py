@@ -34,11 +34,11 @@ Floats = NDArray[np.float64]
 def axis_points(
     file: AxisFile,
     changes: Mapping[str, NDArray[np.float64]],
-    feed: ArrayLike | None = None,
+    feeds: Sequence[float] = (),
     *,
     regimes_only: bool = False,
 ) -> dict[str, NDArray[Any]]:
-    """Return the critical feed of many variants of an axis, and what each does at a feed.
+    """Return the critical feed of many variants of an axis, and what each does at some feeds.
 
     Parameters
     ----------
@@ -48,9 +48,8 @@ def axis_points(
         Arrays of shape (n,) by the name of a number in the file, as `AxisFile.changed` takes it:
         ``axis.mass``, ``axis.stiffness[1]``, in the SI unit in which the file states it. What else
         the file states is held, zeta and forces too.
-    feed
-        Feed [m/s] > 0: one number, one for each point, or (n, f) for f feeds of each point. None:
-        the critical feed alone.
+    feeds
+        Feeds [m/s] > 0 at which each is judged. Without any: the critical feed alone.
     regimes_only
         Whether the regimes alone are asked for, which takes a tenth of the time: jump and rate are
         then NaN, and without closed forms the critical feed.
@@ -60,10 +59,10 @@ def axis_points(
     dict
         Arrays of shape (n,): ``critical_feed`` [m/s] (0: never jumps; infinite: jumps have no end,
         or the loop is unstable; NaN: unknown), ``stable`` (bool: the loop is, or there is none),
-        ``clamped`` (bool: mu_k came above mu_s and was taken as that). With a feed, of the shape
-        (n,) or that of the feed: ``jump`` [m] and ``rate`` [1/s] of the settled jumps (0 where
-        there is none; NaN where unknown, as where a drive turns the table back between two jumps),
-        ``regime`` (int8: `columns.Regime`).
+        ``clamped`` (bool: mu_k came above mu_s and was taken as that). With feeds, of shape
+        (n, feeds): ``jump`` [m] and ``rate`` [1/s] of the settled jumps (0 where there is none; NaN
+        where unknown, as where a drive turns the table back between two jumps), ``regime`` (int8:
+        `columns.Regime`).
 
     Raises
     ------
@@ -78,28 +77,27 @@ def axis_points(
     The results of a point depend on its own numbers alone. A closed form takes 1 us a point,
     another friction law or a loop 0.02 to 1 s.
     """
-    feeds = None if feed is None else np.asarray(feed, dtype=np.float64)
-    table = _table_of(changes, feeds)
-    given = {path: np.ascontiguousarray(each, np.float64) for path, each in changes.items()}
-    for path, each in given.items():
+    if not all(0.0 < feed < math.inf for feed in feeds):
+        raise ValueError("a feed is a finite speed above 0")
+    changes = {path: np.ascontiguousarray(each, np.float64) for path, each in changes.items()}
+    shapes = {path: each.shape for path, each in changes.items()}
+    count, *_ = next(iter(shapes.values()), (1,))
+    if any(shape != (count,) for shape in shapes.values()):
+        told = ", ".join(f"{name} {shape}" for name, shape in shapes.items())
+        raise ValueError(f"arrays of one length are needed: {told}")
+    for path, each in changes.items():
         check(file, path, each)
-    count = len(table)
     found: dict[str, NDArray[Any]] = {
         "critical_feed": np.full(count, math.nan),
         "stable": np.ones(count, dtype=np.bool_),
         "clamped": np.empty(count, dtype=np.bool_),
-        "jump": np.full(table.shape, math.nan),
-        "rate": np.full(table.shape, math.nan),
-        "regime": np.full(table.shape, Regime.UNKNOWN, dtype=np.int8),
+        "jump": np.full((count, len(feeds)), math.nan),
+        "rate": np.full((count, len(feeds)), math.nan),
+        "regime": np.full((count, len(feeds)), Regime.UNKNOWN, dtype=np.int8),
     }
     compute = _closed if has_closed_form(file.axis()) else _each
-    compute(found, file, given, table, regimes_only)
-    if feeds is None:
-        return {name: found[name] for name in WITHOUT_FEED}
-    if feeds.ndim < 2:
-        for name in ("jump", "rate", "regime"):
-            found[name] = found[name][:, 0]
-    return found
+    compute(found, file, changes, feeds, regimes_only)
+    return found if feeds else {name: found[name] for name in WITHOUT_FEED}
 
 
 def has_closed_form(axis: Axis) -> bool:
@@ -120,14 +118,12 @@ def check(file: AxisFile, path: str, values: ArrayLike = ()) -> Number:
         reason = "is no number that the file states"
         raise AxisError(reason, key=path, name=file.name, remedy=remedy)
     key = key_of(path)
-    array = np.atleast_1d(np.asarray(values, dtype=np.float64))
-    good = np.isfinite(array) & (array <= key.within.high)
-    good &= array > key.within.low if key.within.strict else array >= key.within.low
-    if not good.all():
-        value = f"{float(array[int(np.argmin(good))]):.6g} {number.unit}".removesuffix(" 1")
-        raise AxisError(
-            "is out of range", key=path, value=value, within=str(key.within), name=file.name
-        )
+    for value in (np.min(values), np.max(values)) if np.size(values) else ():
+        if float(value) not in key.within:
+            raise AxisError(
+                "is out of range", key=path, value=f"{value:.6g} {number.unit}".removesuffix(" 1"),
+                within=str(key.within), name=file.name,
+            )  # fmt: skip
     return number
 
 
@@ -137,35 +133,19 @@ def read_number(number: Number, text: str) -> float:
     return UNITS.read(text, (kind,), kind if number.unit == "1" else None)[0]
 
 
-def _table_of(changes: Mapping[str, Floats], feeds: Floats | None) -> Floats:
-    """Return the feeds of each point as (points, feeds); raises ValueError."""
-    lengths: dict[str, tuple[int, ...]] = {path: np.shape(each) for path, each in changes.items()}
-    if feeds is not None and feeds.ndim:
-        lengths["feed"] = feeds.shape[:1]
-    one_line = all(len(each) == 1 for each in lengths.values())
-    if len(set(lengths.values())) > 1 or not one_line or (feeds is not None and feeds.ndim > 2):
-        told = ", ".join(f"{name} {shape}" for name, shape in lengths.items())
-        raise ValueError(f"arrays of one length are needed: {told}")
-    count = next((each[0] for each in lengths.values()), 1)
-    if feeds is None:
-        return np.empty((count, 0))
-    if not np.all((feeds > 0.0) & np.isfinite(feeds)):
-        raise ValueError("a feed is a finite speed above 0")
-    columns = feeds if feeds.ndim == 2 else feeds.reshape(-1, 1)
-    return np.broadcast_to(columns, (count, columns.shape[1]))
-
-
 def _closed(
-    found: dict[str, NDArray[Any]], file: AxisFile, changes: Mapping[str, Floats], table: Floats,
-    regimes_only: bool,
+    found: dict[str, NDArray[Any]], file: AxisFile, changes: Mapping[str, Floats],
+    feeds: Sequence[float], regimes_only: bool,
 ) -> None:  # fmt: skip
     """Compute the columns of axes on a rigid drive with constant friction, in closed form."""
     axes = file.changed(changes).axis()
     found["critical_feed"][:] = limit = np.asarray(coulomb_limit(axes.block(1.0)))
     found["clamped"][:] = axes.friction.capped
-    found["regime"][:] = np.where(table <= limit[..., np.newaxis], Regime.STICKS, Regime.EVEN)
-    for column, feed in enumerate(() if regimes_only else table.T):
-        cycle = steady_cycle(axes.block(np.ascontiguousarray(feed)))  # type: ignore[arg-type]
+    for column, feed in enumerate(feeds):
+        found["regime"][:, column] = np.where(feed <= limit, Regime.STICKS, Regime.EVEN)
+        if regimes_only:
+            continue
+        cycle = steady_cycle(axes.block(np.full(len(found["stable"]), feed)))  # type: ignore[arg-type]
         found["jump"][:, column] = np.where(cycle.exists, cycle.delta_x, 0.0)
         found["rate"][:, column] = np.where(cycle.exists, cycle.f, 0.0)
         # Within rounding of the limit the cycle itself decides.
@@ -173,11 +153,11 @@ def _closed(
 
 
 def _each(
-    found: dict[str, NDArray[Any]], file: AxisFile, changes: Mapping[str, Floats], table: Floats,
-    regimes_only: bool,
+    found: dict[str, NDArray[Any]], file: AxisFile, changes: Mapping[str, Floats],
+    feeds: Sequence[float], regimes_only: bool,
 ) -> None:  # fmt: skip
     """Compute the columns of axes one by one; an unstable loop swings."""
-    for point, feeds in enumerate(table.tolist()):
+    for point in range(len(found["stable"])):
         axis = file.changed({path: float(each[point]) for path, each in changes.items()}).axis()
         found["clamped"][point] = axis.friction.capped
         # RuntimeError: a slip cannot be followed, a damping of some ten that a steep friction

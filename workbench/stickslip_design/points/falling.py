@@ -151,8 +151,5 @@ def _slope_of_curve(values: Values, v: Floats) -> Floats:
 
 def last_coefficient(values: Values) -> Floats:
     """Return the coefficient of the last point of a measured curve."""
-    last = np.asarray(values["mu_2"])
-    for number in range(3, _MOST_POINTS + 1):
-        counts = number <= np.asarray(values["n_points"])
-        last = np.where(counts, values[f"mu_{number}"], last)
-    return last
+    coefficients = [np.asarray(values[f"mu_{number}"]) for number in range(1, _MOST_POINTS + 1)]
+    return np.choose(np.asarray(values["n_points"], dtype=np.intp) - 1, coefficients)

@@ -18,12 +18,13 @@ from __future__ import annotations
 
 import math
 import re
+from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import Final, Literal
+from typing import Any, Final, Literal
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.special import ndtr, ndtri
+from scipy import stats
 
 from ..axis import AxisError, AxisFile, Number
 from ..axis.keys import UNITS, key_of
@@ -39,8 +40,16 @@ _SIGMAS: Final = 2.0
 _MOST_CUT: Final = 0.1
 """A distribution of which more than this part is out of the range of its number is refused."""
 
-_COUNT: Final = {"normal": 2, "lognormal": 2, "uniform": 2, "triangular": 3}
-"""Kinds of distributions, and how many numbers each has."""
+_KINDS: Final[dict[str, tuple[int, Callable[..., Any]]]] = {
+    "normal": (2, stats.norm),
+    "lognormal": (2, lambda median, sigma: stats.lognorm(sigma, scale=median)),
+    "uniform": (2, lambda low, high: stats.uniform(low, high - low)),
+    "triangular": (
+        3,
+        lambda low, mode, high: stats.triang((mode - low) / (high - low), low, high - low),
+    ),
+}
+"""Kinds of distributions: how many numbers each has, and the one of SciPy with these."""
 _WRITTEN: Final = (
     '"normal MEAN SIGMA", "lognormal MEDIAN SIGMA", "uniform LOW..HIGH", '
     '"triangular LOW LIKELIEST HIGH", "± SPREAD" or "fixed"'
@@ -80,16 +89,18 @@ class Distribution:
     @property
     def cut(self) -> float:
         """The part that is beyond its range and left out [-]."""
-        below, above = self._inside
+        below, above = self._ends
         return below + (1.0 - above)
 
     @property
-    def _inside(self) -> tuple[float, float]:
+    def _frozen(self) -> Any:
+        return _KINDS[self.kind][1](*self.numbers)
+
+    @property
+    def _ends(self) -> tuple[float, float]:
         """The probabilities up to the ends of the range."""
-        if self.kind != "normal":
-            return 0.0, 1.0
-        mean, sigma = self.numbers
-        return float(ndtr((self.low - mean) / sigma)), float(ndtr((self.high - mean) / sigma))
+        below, above = self._frozen.cdf([self.low, self.high]).tolist()
+        return below, above
 
     def values(self, share: Floats) -> Floats:
         """Return the values below which shares of all lie.
@@ -99,23 +110,11 @@ class Distribution:
         share
             Shares, above 0 and below 1 [-].
         """
-        if self.kind == "uniform":
-            low, high = self.numbers
-            return low + share * (high - low)
-        if self.kind == "triangular":
-            low, mode, high = self.numbers
-            turn = (mode - low) / (high - low)
-            rising = low + np.sqrt(share * (high - low) * (mode - low))
-            falling = high - np.sqrt((1.0 - share) * (high - low) * (high - mode))
-            return np.where(share < turn, rising, falling)
-        if self.kind == "lognormal":
-            median, sigma = self.numbers
-            return np.asarray(median * np.exp(sigma * ndtri(share)))
-        mean, sigma = self.numbers
-        below, above = self._inside
+        below, above = self._ends
         # With nothing cut off the share stays as it is, to the bit.
-        inner = below + share * (above - below) if (below, above) != (0.0, 1.0) else share
-        return np.asarray(np.clip(mean + sigma * ndtri(inner), self.low, self.high))
+        if (below, above) != (0.0, 1.0):
+            share = below + share * (above - below)
+        return np.asarray(np.clip(self._frozen.ppf(share), self.low, self.high))
 
 
 def varying(
@@ -145,10 +144,11 @@ def varying(
     for path, number in file.values.items():
         if not isinstance(number, Number) or path.startswith("demand."):
             continue
-        text = vary.get(path, "").strip()
-        if path in vary and text != "fixed":
-            found[path] = _within(file, path, _read(file, path, number, text, spread_is))
-        elif path not in vary and number.spread:
+        if path in vary:
+            text = vary[path].strip()
+            if text != "fixed":
+                found[path] = _within(file, path, _read(file, path, number, text, spread_is))
+        elif number.spread:
             found[path] = _within(file, path, _around(number.value, number.spread, spread_is))
     if not found:
         raise AxisError(
@@ -189,11 +189,11 @@ def _read(
 
 def _of_kind(number: Number, text: str) -> Distribution:
     kind, _, rest = text.partition(" ")
-    if kind not in _COUNT:
+    if kind not in _KINDS:
         raise QuantityError("is no distribution")
     parts = _NEXT.split(rest.replace("..", " ").strip())
-    if len(parts) != _COUNT[kind]:
-        raise QuantityError(f"has {len(parts)} numbers in place of {_COUNT[kind]}")
+    if len(parts) != (count := _KINDS[kind][0]):
+        raise QuantityError(f"has {len(parts)} numbers in place of {count}")
     last = _unit(parts[-1])
     if kind in {"normal", "lognormal"}:
         centre = parts[0] if _unit(parts[0]) or last == "%" else f"{parts[0]} {last}"

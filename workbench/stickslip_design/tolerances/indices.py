@@ -53,8 +53,6 @@ class Mixed(Machines):
     ----------
     population
         The machines; their correlations are left out.
-    feeds
-        Feeds at which each is judged [m/s].
     rows
         Rows of the samples A and B, a power of two. Point ``block * rows + row`` is of A, of B, or
         of A with one number of B.

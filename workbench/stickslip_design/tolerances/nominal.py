@@ -38,8 +38,6 @@ class Turns(Machines):
 
     Attributes
     ----------
-    population, count
-        The machines, and how many.
     feed
         The feed [m/s].
     path, low, high
@@ -63,8 +61,8 @@ class Turns(Machines):
 
         def even(factors: Floats) -> NDArray[np.bool_]:
             changes = self.population.scaled(drawn, self.path, factors)
-            found = axis_points(self.population.file, changes, self.feed, regimes_only=True)
-            return np.asarray(found["regime"] == Regime.EVEN)
+            found = axis_points(self.population.file, changes, [self.feed], regimes_only=True)
+            return np.asarray(found["regime"][:, 0] == Regime.EVEN)
 
         between = 1.0 if self.low < 1.0 < self.high else math.sqrt(self.low * self.high)
         low, middle, high = (np.full(count, each) for each in (self.low, between, self.high))
@@ -217,8 +215,8 @@ def solved(
         unsolved = "no value in its range does it"
     elif factor == always:
         unsolved = "every value in its range does it"
-    bounds = [float(order[each - 1]) if 1 <= each <= count else math.nan for each in (first, last)]
-    bounds = [now * each if 0.0 < each < math.inf else math.nan for each in bounds]
+    bounds = [float(order[n - 1]) if 1 <= n <= count else math.nan for n in (first, last)]
+    bounds = [now * bound if 0.0 < bound < math.inf else math.nan for bound in bounds]
     share_now = even(1.0, "now")
     at_most = at_most == (now > 0.0)
     ends = (now * low, float(at_low.mean())), (now * high, float(at_high.mean()))

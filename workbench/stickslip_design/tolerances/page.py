@@ -24,10 +24,16 @@ _STYLES: Final = _HERE.parent / "report" / "templates"
 def html(found: Scatter) -> str:
     """Return the page; the same answer gives the same text."""
     asked = found.question
+    with mpl.rc_context(STYLE):
+        pictures = [
+            Markup(as_part(drawn, name, f"Scatter: {name}"))
+            for name in PICTURES
+            if (drawn := picture(found, [name])) is not None
+        ]
     return environment(_HERE / "templates").get_template("scatter.html.j2").render(
         name=asked.population.file.axis().name,
         sentences=list(words.sentences(found)),
-        pictures=[_drawn(found, name) for name in PICTURES],
+        pictures=pictures,
         feeds=words.feeds(found),
         parts=words.parts(found),
         numbers=words.numbers(found),
@@ -38,12 +44,6 @@ def html(found: Scatter) -> str:
         digest=found.provenance["inputs_digest"],
         style=text_of("report.css", _STYLES),
     )  # fmt: skip
-
-
-def _drawn(found: Scatter, name: str) -> Markup:
-    with mpl.rc_context(STYLE):
-        page = picture(found, [name])
-        return Markup(as_part(page, name, f"Scatter: {name}") if page is not None else "")
 
 
 def data(found: Scatter) -> dict[str, Any]:

@@ -27,9 +27,8 @@ class Probability(NamedTuple):
 
 def probability(hits: int, count: int) -> Probability:
     """Return a probability from how often something happened in so many independent samples."""
-    value = hits / count
-    low, high = interval(np.array([hits], dtype=np.float64), np.array([count], dtype=np.float64))
-    return Probability(value, float(low[0]), float(high[0]))
+    low, high = interval(np.array(float(hits)), np.array(float(count)))
+    return Probability(hits / count, float(low), float(high))
 
 
 def interval(hits: Floats, count: Floats) -> tuple[Floats, Floats]:

@@ -17,9 +17,9 @@ from ..points.axes import check
 from ..points.columns import AXIS, Regime
 from ..report.record import plain
 from .indices import Indices
-from .nominal import Solved
+from .nominal import Hold, Solved
 from .probability import Probability, probability
-from .question import Question
+from .samples import Population, Samples
 
 if TYPE_CHECKING:
     import xarray
@@ -31,6 +31,34 @@ _PROBABILITY: Final = {
     "probability_low": "lower end of its interval of 95 %",
     "probability_high": "upper end of its interval of 95 %",
 }
+
+
+@dataclass(frozen=True)
+class Question:
+    """What is asked of a series of machines.
+
+    Attributes
+    ----------
+    population, count
+        The machines, and how many are drawn.
+    feeds
+        Feeds at which each is judged [m/s].
+    rows
+        Rows of the Sobol indices, a power of two; 0: none.
+    hold
+        What must hold; None: nothing is solved for.
+    """
+
+    population: Population
+    feeds: tuple[float, ...]
+    count: int
+    rows: int
+    hold: Hold | None = None
+
+    @property
+    def samples(self) -> Samples:
+        """The study of the machines."""
+        return Samples(self.population, self.feeds, self.count)
 
 
 @dataclass(frozen=True)
@@ -106,7 +134,7 @@ class Scatter:
             if name in self.columns:
                 data[name] = "sample", self.columns[name], self._about(name)
             else:
-                table = [self.columns[f"{name} {place + 1}"] for place in range(len(feeds))]
+                table = [self.columns[f"{name} {n}"] for n in range(1, len(feeds) + 1)]
                 data[name] = ("sample", "feed"), np.stack(table, axis=1), self._about(name)
         for place, (name, words) in enumerate(_PROBABILITY.items()):
             column = [each.jumps[place] for each in self.outcomes]
@@ -114,12 +142,10 @@ class Scatter:
         words = "quantile of the jump of machines that jump"
         jumps = [each.jump for each in self.outcomes]
         data["jump_quantile"] = ("feed", "quantile"), jumps, {"units": "m", "long_name": words}
+        jumps_of = [self.indices.get(f"jump {n}") for n in range(1, len(feeds) + 1)]
         none = np.full(len(varied), math.nan)
         for order in ("first", "total") if self.indices else ():
-            rows = [
-                getattr(self.indices[key], order) if key in self.indices else none
-                for key in (f"jump {place + 1}" for place in range(len(feeds)))
-            ]
+            rows = [none if each is None else getattr(each, order) for each in jumps_of]
             about = {"units": "1", "long_name": f"Sobol index of {order} order of the jump"}
             data[f"sobol_{order}"] = ("feed", "parameter"), np.array(rows), about
         coordinates = {

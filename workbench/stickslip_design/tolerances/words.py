@@ -8,14 +8,12 @@ from typing import Final
 
 from ..points.axes import check
 from ..report.tables import Grid
-from ..shown import EXACT, NONE, number, told
+from ..shown import EXACT, NONE, number, per_minute, told
 from .distributions import Distribution
 from .indices import Indices
 from .probability import Probability, probability
 from .result import Outcome, Scatter
 
-_PER_MINUTE: Final = 60e3
-"""A speed of 1 m/s in mm/min."""
 _LEAST_TOLD: Final = 0.05
 """Parts of a variance below this are left out of a sentence."""
 _LEAST_CUT: Final = 1e-6
@@ -25,9 +23,9 @@ _MOST_DECIMALS: Final = 5
 
 def feed(value: float) -> str:
     """Return a feed [m/s] in mm/s, or in mm/min where that is a much rounder number."""
-    per_second, per_minute = number(1e3 * value, EXACT), number(_PER_MINUTE * value, EXACT)
-    digits = [len(each.replace(".", "").strip("0")) for each in (per_second, per_minute)]
-    return f"{per_minute} mm/min" if digits[1] < digits[0] - 1 else f"{per_second} mm/s"
+    in_seconds, in_minutes = number(1e3 * value, EXACT), per_minute(value, EXACT)
+    digits = [len(text.replace(".", "").strip("0")) for text in (in_seconds, in_minutes)]
+    return f"{in_minutes} mm/min" if digits[1] < digits[0] - 1 else f"{in_seconds} mm/s"
 
 
 def percent(found: Probability) -> str:
