@@ -107,7 +107,7 @@ REFUSED = [
     ("verify -o text.fmu/report", "-o "),
     ("sweep text.fmu plan.toml", "text.fmu: not an FMU (not a zip archive)"),
     ("sweep text.fmu", "--template"),
-    ("sweep {fmu} plan.toml --template", "--template plan.toml: there is such a file already; name a new one"),
+    ("sweep {fmu} plan.toml --template", "plan.toml: there is such a file already"),
     (
         "sweep {fmu} memory.toml",
         "line 4, parameters.k: has 1000000000 values; expected 1 to 10000000",
