@@ -4,14 +4,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any, Final, Literal, NamedTuple
 
-import numpy as np
-
 from ..axis import Axis, Filter
-from ..loop.response import Cut, Response
+from ..loop.response import Cut
 from ..shown import EXACT, NONE, decibels, number, per_minute, shown_in, told
 from ..verdict import AxisCure, Verdict
 from ..words import ranges_in_words
@@ -27,9 +24,6 @@ MOTIONS: Final[dict[Motion, str]] = {
 }
 CUTS: Final[dict[Cut, str]] = {"force": "at the motor's force", "position": "at the position error"}
 """Where a loop is open, in words."""
-
-_NOTHING: Final = 1e-9
-"""A gain that is rounding alone."""
 
 
 class Standing(NamedTuple):
@@ -47,19 +41,8 @@ class Range(NamedTuple):
     motion: Motion
 
 
-@dataclass(frozen=True)
-class Grid:
-    """A table of texts.
-
-    Attributes
-    ----------
-    head
-        Headings of the columns, with the unit where a column is of numbers.
-    rows
-        Cells; the first of a row names it.
-    numbers
-        Columns of numbers, which stand at the right.
-    """
+class Grid(NamedTuple):
+    """A table of texts; the first cell of a row names it, columns of `numbers` stand right."""
 
     head: Sequence[str]
     rows: Sequence[Sequence[str]]
@@ -246,11 +229,6 @@ def _borne(now: float, limit: float, unit: str) -> str:
     return f"{told(limit, unit)}; now {told(now, unit, EXACT)}, {apart} dB {side}"
 
 
-def passes(response: Response) -> bool:
-    """Return whether anything passes an open loop: no motion of a table that is stuck."""
-    return float(np.abs(response.gain).max()) > _NOTHING
-
-
 def margins(verdict: Verdict) -> Grid:
     """Return gain and phase margin of each open loop; an unstable one has none."""
     return Grid(
@@ -259,8 +237,8 @@ def margins(verdict: Verdict) -> Grid:
             (
                 CUTS[each.cut],
                 "sliding" if each.sliding else "stuck",
-                decibels(each.gain_margin) if passes(each) else NONE,
-                shown_in(each.phase_margin, "rad") if passes(each) else NONE,
+                decibels(each.gain_margin) if each.passes else NONE,
+                shown_in(each.phase_margin, "rad") if each.passes else NONE,
             )
             for each in verdict.responses
             if verdict.stable
