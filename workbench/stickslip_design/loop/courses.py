@@ -57,22 +57,15 @@ _LONGEST: Final = 400.0
 
 
 class Course(NamedTuple):
-    """Where a motion leads.
-
-    Attributes
-    ----------
-    kind
-        "even", "swings" or "sticks".
-    swing, stick_slip
-        The swing or the cycle that it ends in.
-    settling
-        Time from the first break-away until it is even [s]; infinite where it does not end so.
-    """
+    """Where a motion leads."""
 
     kind: Kind
+    """"even", "swings" or "sticks"."""
     swing: Swinging | None = None
     stick_slip: StickSlip | None = None
+    """The swing or the cycle that it ends in."""
     settling: float = math.inf
+    """Time from the first break-away until it is even [s]; infinite where it does not end so."""
 
 
 class Extreme(NamedTuple):

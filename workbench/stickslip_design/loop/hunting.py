@@ -18,21 +18,14 @@ _LONGEST: Final = 100.0
 
 
 class Hunting(NamedTuple):
-    """The cycle of an axis about its target.
-
-    Attributes
-    ----------
-    jump
-        Way of the table in a slip [m].
-    period
-        Of a jump there and a jump back [s].
-    dead_band
-        The smallest dead band that ends it [m]: the largest error at which the table rests.
-    """
+    """The cycle of an axis about its target."""
 
     jump: float
+    """Way of the table in a slip [m]."""
     period: float
+    """Of a jump there and a jump back [s]."""
     dead_band: float
+    """The smallest dead band that ends it [m]: the largest error at which the table rests."""
 
 
 @one_thread

@@ -35,25 +35,17 @@ _MOST: Final = 2_000
 
 
 class Jump(NamedTuple):
-    """A slip of the table and the stick after it.
-
-    Attributes
-    ----------
-    way
-        Of the table in the slip [m].
-    t_slip, t_stick
-        How long it slips, and rests after it [s].
-    relief
-        By how much the spring force falls [N].
-    least
-        The speed that a slip without rest would have fallen to [m/s]; below 0.
-    """
+    """A slip of the table and the stick after it."""
 
     way: float
+    """Of the table in the slip [m]."""
     t_slip: float
     t_stick: float
+    """How long it slips, and rests after it [s]."""
     relief: float
+    """By how much the spring force falls [N]."""
     least: float
+    """The speed that a slip without rest would have fallen to [m/s]; below 0."""
 
     @property
     def period(self) -> float:
@@ -62,21 +54,14 @@ class Jump(NamedTuple):
 
 
 class Limit(NamedTuple):
-    """Where jumping ends as the feed rises.
-
-    Attributes
-    ----------
-    feed
-        The highest feed that is reached in jumps [m/s]; 0 where there is none.
-    jump
-        The longest jump of the settled cycle there; None where there is none.
-    rate
-        Jumps a second there [1/s].
-    """
+    """Where jumping ends as the feed rises."""
 
     feed: float
+    """The highest feed that is reached in jumps [m/s]; 0 where there is none."""
     jump: Jump | None
+    """The longest jump of the settled cycle there; None where there is none."""
     rate: float = 0.0
+    """Jumps a second there [1/s]."""
 
 
 class Jumping:

@@ -27,36 +27,25 @@ _LOWEST: Final = 1e-2
 
 @dataclass(frozen=True)
 class Response:
-    """The open loop, cut at one place.
-
-    Attributes
-    ----------
-    cut
-        "force": where the motor's force is commanded; "position": at the position error.
-    sliding
-        Whether the table slides, or is stuck.
-    frequency
-        [Hz], rising, up to half the sampling.
-    gain
-        Of the open loop, complex [-]; the loop closes with its negative.
-    gain_margin, phase_margin
-        The smallest factor on the gain, above 1, at which the closed loop is at its limit, and the
-        smallest lag that brings it there [rad]; infinite without one.
-    gain_margin_at, phase_margin_at
-        Their frequencies [Hz]; NaN without one.
-    delay_margin
-        The shortest dead time that brings it there [s]; infinite without one.
-    """
+    """The open loop, cut at one place."""
 
     cut: Cut
+    """"force": where the motor's force is commanded; "position": at the position error."""
     sliding: bool
+    """Whether the table slides, or is stuck."""
     frequency: Vector
+    """[Hz], rising, up to half the sampling."""
     gain: Complex
+    """Of the open loop, complex [-]; the loop closes with its negative."""
     gain_margin: float
     phase_margin: float
+    """The smallest factor on the gain, above 1, at which the closed loop is at its limit, and the
+    smallest lag that brings it there [rad]; infinite without one."""
     gain_margin_at: float
     phase_margin_at: float
+    """Their frequencies [Hz]; NaN without one."""
     delay_margin: float
+    """The shortest dead time that brings it there [s]; infinite without one."""
 
     @property
     def passes(self) -> bool:

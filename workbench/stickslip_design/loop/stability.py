@@ -33,18 +33,12 @@ _ROUNDING: Final = 1e-9
 
 
 class Swing(NamedTuple):
-    """A motion of a loop that swings.
-
-    Attributes
-    ----------
-    damping
-        Damping ratio [-]; below 0 it grows.
-    w
-        Undamped frequency [rad/s].
-    """
+    """A motion of a loop that swings."""
 
     damping: float
+    """Damping ratio [-]; below 0 it grows."""
     w: float
+    """Undamped frequency [rad/s]."""
 
     @property
     def frequency(self) -> float:
@@ -53,19 +47,13 @@ class Swing(NamedTuple):
 
 
 class GainLimits(NamedTuple):
-    """Up to which gains the loop is stable, its table sliding or stuck; infinite if none was found.
-
-    Attributes
-    ----------
-    K_v
-        Position gain [1/s], the velocity loop held.
-    bandwidth
-        Bandwidth of the velocity loop [rad/s], its integral time times the bandwidth held, and the
-        position gain.
-    """
+    """Limits of the gains for a stable loop, its table sliding or stuck; infinite if not found."""
 
     K_v: float
+    """Position gain [1/s], the velocity loop held."""
     bandwidth: float
+    """Bandwidth of the velocity loop [rad/s], its integral time times the bandwidth held, and the
+    position gain."""
 
 
 @one_thread

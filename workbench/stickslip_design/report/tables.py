@@ -355,8 +355,8 @@ def _numbers(axis: Axis) -> Iterator[tuple[str, str, str]]:
         yield "drive", "rigid", ""
     else:
         yield "position is measured", "on the table" if axis.drive.on_table else "on the motor", ""
-        for each in axis.drive.filters:
-            yield "filter of the motor's force", _filter(each), ""
+        for of_force in axis.drive.filters:
+            yield "filter of the motor's force", _filter(of_force), ""
     for name, width in spread.items():
         yield name, "", f"{number(width, EXACT)} (SI)"
 
