@@ -34,7 +34,7 @@ _BESIDE: Final = 1e-9
 
 
 def limits_of(axis: Axis) -> CriticalVelocity:
-    """Return the feeds at which an axis may stick and slip, and at which even motion is unstable.
+    """Return the feeds at which an axis sticks and slips, and at which even motion is unstable.
 
     The loop of a servo axis must be stable with the table sliding fast.
     """

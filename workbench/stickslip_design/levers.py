@@ -198,8 +198,9 @@ def _end(lever: Lever, feed: float, now: float, carried: bool) -> float | None:
 
         close = _CLOSE_BY_SIDE if axis.drive is None else _CLOSE
         way = _first(side, feed, 1.0, finer=_COARSE, close=close)
-    unstable = way is not None and axis.drive is not None and not is_stable(lever.at(way))
-    return None if unstable else way
+    if way is not None and axis.drive is not None and not is_stable(lever.at(way)):
+        return None
+    return way
 
 
 def _factor_below(lever: Lever, feed: float, largest: float, end: float) -> float | None:

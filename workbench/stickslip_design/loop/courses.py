@@ -108,7 +108,7 @@ class Courses:
             found = self._sticks(events) if event.name == "stop" else self._swings(events)
             if found is not None:
                 return events, found
-            if len(self._run(events)) >= most:
+            if len(events) >= most and len(self._run(events)) >= most:
                 break
         return events, None
 

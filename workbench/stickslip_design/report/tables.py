@@ -59,10 +59,8 @@ def standing(verdict: Verdict) -> Standing:
     if jumping and all(point.after_start is False for point in jumping):
         return Standing("depends on the start", "warn")
     if jumping:
-        allowed = verdict.axis.demand.largest_jump
-        if allowed is not None and all(
-            point.jump is not None and point.jump <= allowed for point in jumping
-        ):
+        allowed = verdict.axis.demand.largest_jump or 0.0
+        if all(point.jump is not None and point.jump <= allowed for point in jumping):
             return Standing("jumps within the limit", "warn")
         return Standing("judders", "bad")
     if not verdict.points and verdict.critical_feed > 0.0:
@@ -98,12 +96,10 @@ def motions(verdict: Verdict) -> tuple[Range, ...]:
 
 def critical(verdict: Verdict) -> str:
     """Return the critical feed in words, with its range where it has one."""
-    limit = verdict.critical_feed
+    limit, unstable = verdict.critical_feed, verdict.unstable
     if not verdict.stable or math.isnan(limit):
         return "none: the loop is unstable"
-    swings = ""
-    if verdict.unstable:
-        swings = f"; even motion is unstable {ranges_in_words(verdict.unstable)}"
+    swings = f"; even motion is unstable {ranges_in_words(unstable)}" if unstable else ""
     if limit == 0.0:
         return f"none: the axis never jumps{swings}"
     if math.isinf(limit):
