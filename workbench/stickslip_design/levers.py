@@ -270,7 +270,11 @@ def _factor_of_servo(lever: Lever, feed: float, now: float) -> float | None:
     known = False
     scale = exact[low] / estimate(low)
     for _ in range(_MOST):
-        guess = _first(lambda factor, by=scale: by * estimate(factor), feed, low) or high
+
+        def scaled(factor: float, by: float = scale) -> float:
+            return by * estimate(factor)
+
+        guess = _first(scaled, feed, low) or high
         if not low < guess < high:
             guess = math.sqrt(low * high) if known else high
         # A little beyond, so that both sides come close.

@@ -63,8 +63,8 @@ class AxisFile:
         try:
             content = (self._folder / curve).read_bytes()
         except OSError as error:
-            where = {"key": "friction.curve", "value": curve, "name": self.name}
-            raise AxisError(_unread(error), **where) from None
+            reason = _unread(error)
+            raise AxisError(reason, "friction.curve", value=curve, name=self.name) from None
         return stated | {"friction.curve": sha256(content).hexdigest()}
 
     def axis(self) -> Axis:
