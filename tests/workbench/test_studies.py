@@ -13,7 +13,7 @@ from stickslip.commands.running import computed
 from stickslip.page import page
 from stickslip_design import chunks
 from stickslip_design.axis import example, template
-from stickslip_design.datasets import read_grid, read_points
+from stickslip_design.datasets import need, read_grid
 from stickslip_design.report import html
 from stickslip_ref import Parameters, steady_cycle
 from tests.design import verdicts
@@ -118,9 +118,9 @@ def test_a_scatter_writes_page_picture_machines_and_summary_once(command: Comman
     summary = json.loads((folder / "scatter.json").read_text(encoding="utf-8"))
     assert summary["seed"] == "5"
     assert [entry["feed"] for entry in summary["feeds"]] == [2e-3 / 60.0, 1e-3]
-    machines = read_points(folder / "machines.parquet")
-    assert machines.sizes["sample"] == 400
-    assert (machines["axis.mass"].attrs["units"], machines["jump_2"].attrs["units"]) == ("kg", "m")
+    machines = need("pandas").read_parquet(folder / "machines.parquet")
+    assert len(machines) == 400
+    assert machines.attrs["units"].items() >= {"axis.mass": "kg", "jump_2": "m"}.items()
     assert machines.attrs["inputs_digest"] == summary["inputs_digest"]
     assert (machines["regime_1"] == 1).mean() == summary["feeds"][0]["jumps"]["value"]
     command.passes(*typed)
@@ -159,11 +159,11 @@ def test_swept_points_are_parquet_in_the_order_of_their_table(
     text = head + 'points = "points.csv"\n' + outputs[outputs.index("[outputs]") :]
     Path("plan.toml").write_text(text, encoding="utf-8")
     command.passes("sweep", fmu_path, "plan.toml", "-o", "out", "--workers", 1)
-    found = read_points("out/sweep.parquet")
+    found = need("pandas").read_parquet("out/sweep.parquet")
     assert found["k"].values.tolist() == [1000.0, 2000.0]
     exact = steady_cycle(Parameters(k=found["k"].values, mu_s=found["mu_s"].values))
     assert found["T"].values == pytest.approx(exact.T, rel=1e-12)
-    assert found["T"].attrs["units"] == "s"
+    assert found.attrs["units"]["T"] == "s"
 
 
 def test_a_template_of_a_sweep_is_printed_or_written(command: Command, fmu_path: Path) -> None:

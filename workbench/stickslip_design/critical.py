@@ -21,7 +21,7 @@ from stickslip_ref import (
 )
 
 from .axis import Axis
-from .loop.courses import Courses, regime_in_loop
+from .loop.courses import jolted, regime_in_loop
 from .loop.jumps import Limit, limit_of_jumps
 from .loop.lines import line_at
 from .loop.ranges import jump_ranges
@@ -34,7 +34,7 @@ _BESIDE: Final = 1e-9
 
 
 def limits_of(axis: Axis) -> CriticalVelocity:
-    """Return the feeds at which an axis may stick and slip, and at which even motion is unstable.
+    """Return the feeds at which an axis sticks and slips, and at which even motion is unstable.
 
     The loop of a servo axis must be stable with the table sliding fast.
     """
@@ -44,17 +44,9 @@ def limits_of(axis: Axis) -> CriticalVelocity:
 
 
 def regime_of(axis: Axis, feed: float, limit: Limit | None = None) -> Regime:
-    """Return what an axis does at a feed [m/s].
+    """Return what an axis, its loop stable, does at a feed [m/s] above 0.
 
-    Parameters
-    ----------
-    axis
-        The axis, the loop of a servo axis stable.
-    feed
-        The feed [m/s], above 0.
-    limit
-        With a drive and friction that does not change with the speed, the end of its jumps from the
-        slowest feed on, if that is known.
+    `limit` as of `regime_in_loop`, with a drive and friction that does not change with the speed.
     """
     if axis.drive is None:
         return regime(axis.block(feed), axis.friction.law, axis.friction.own)
@@ -64,17 +56,8 @@ def regime_of(axis: Axis, feed: float, limit: Limit | None = None) -> Regime:
 def critical_feed(axis: Axis, highest: float = math.inf) -> float:
     """Return the highest feed that an axis reaches in jumps when the feed rises slowly [m/s].
 
-    Parameters
-    ----------
-    axis
-        The axis; with a drive its friction has constant coefficients.
-    highest
-        With a drive, where the search ends [m/s].
-
-    Returns
-    -------
-    float
-        0 where it never jumps; infinite where jumps have no end.
+    0 where it never jumps; infinite where jumps have no end. With a drive the coefficients are
+    constant, and the search ends at the feed `highest` [m/s].
     """
     if axis.drive is None:
         return rigid_critical_feed(axis)
@@ -99,8 +82,7 @@ def judders(axis: Axis, feed: float) -> bool:
     # What needs no motion first.
     if not is_stable(axis) or swing(axis, line=line_at(axis, feed)).damping < 0.0:
         return True
-    courses = Courses(axis, feed)
-    return any(courses.course(begin).kind != EVEN for begin in ("jumps", "struck"))
+    return any(kind != EVEN for kind in jolted(axis, feed))
 
 
 def kind_beside(axis: Axis, feed: float) -> Kind:
@@ -108,8 +90,7 @@ def kind_beside(axis: Axis, feed: float) -> Kind:
 
     After a break-away, and after a blow.
     """
-    courses = Courses(axis, feed)
-    kinds = {courses.course(begin).kind for begin in ("jumps", "struck")}
+    kinds = set(jolted(axis, feed))
     if STICKS in kinds:
         return "sticks"
     unstable = swing(axis, line=line_at(axis, feed)).damping < 0.0

@@ -42,16 +42,9 @@ class CurveError(ValueError):
 
 
 class Curve(NamedTuple):
-    """A measured friction curve.
+    """A measured friction curve: speeds [m/s], rising from 0, and friction coefficients [1].
 
-    Attributes
-    ----------
-    speeds
-        Speeds [m/s], rising from 0.
-    coefficients
-        Friction coefficients [1].
-    of_forces
-        Whether the file has forces, which were divided by the normal force.
+    `of_forces`: the file has forces, which were divided by the normal force.
     """
 
     speeds: tuple[float, ...]
@@ -62,35 +55,25 @@ class Curve(NamedTuple):
     def parameters(self) -> dict[str, float]:
         """The parameters of the friction law that the curve sets, by name."""
         values: dict[str, float] = {"shape": CURVE, "n_points": len(self.speeds)}
-        values["mu_1"] = self.coefficients[0]
-        for number, (speed, mu) in enumerate(
-            zip(self.speeds[1:], self.coefficients[1:], strict=True), 2
-        ):
+        for number, (speed, mu) in enumerate(zip(self.speeds, self.coefficients, strict=True), 1):
             values |= {f"u_{number}": speed, f"mu_{number}": mu}
+        # The first point lies at rest.
+        del values["u_1"]
         return values
 
 
 class _Column(NamedTuple):
-    """A column of the file: where it stands, and the unit of its plain numbers."""
+    """Place of a column in the file, and the unit of its plain numbers."""
 
     place: int
     unit: str
 
 
 def read_curve(file: Path, normal_force: float | None) -> Curve:
-    """Read a measured friction curve.
+    """Read a measured friction curve; CurveError if the file holds none.
 
-    Parameters
-    ----------
-    file
-        The CSV file. Below its lowest speed the friction stays what it is there.
-    normal_force
-        Normal force under which forces were measured [N]; of no effect on coefficients.
-
-    Raises
-    ------
-    CurveError
-        If the file holds no such curve.
+    Below its lowest speed the friction stays what it is there. Forces go with the normal force
+    under which they were measured [N]; on coefficients it is of no effect.
     """
     lines = list(csv_lines(_text(file)))
     if not lines:

@@ -60,13 +60,7 @@ def digest_of(identity: Mapping[str, Any]) -> str:
 
 
 def provenance(identity: Mapping[str, Any]) -> dict[str, str]:
-    """Return where a result comes from, as attributes of its file.
-
-    Returns
-    -------
-    dict
-        ``versions`` and ``inputs`` as JSON, ``inputs_digest``, ``command``.
-    """
+    """Return where a result comes from, as attributes of its file; some are JSON."""
     return {
         "versions": json.dumps(versions()),
         "inputs": json.dumps(identity, sort_keys=True),
@@ -97,25 +91,10 @@ def write_points(points: xarray.Dataset, target: Path | str) -> None:
     need("pyarrow")
     need("pandas")
     frame = points.reset_coords().to_dataframe()
+    columns = points.variables.items()
     frame.attrs = {
-        "units": {name: each.attrs.get("units", "") for name, each in points.variables.items()},
-        "long_names": {
-            name: each.attrs.get("long_name", "") for name, each in points.variables.items()
-        },
+        "units": {name: column.attrs.get("units", "") for name, column in columns},
+        "long_names": {name: column.attrs.get("long_name", "") for name, column in columns},
         **points.attrs,
     }
     frame.to_parquet(target)
-
-
-def read_points(source: Path | str) -> xarray.Dataset:
-    """Read a dataset that `write_points` wrote."""
-    need("pyarrow")
-    frame = need("pandas").read_parquet(source)
-    points: xarray.Dataset = need("xarray").Dataset.from_dataframe(frame)
-    attributes = dict(frame.attrs)
-    for entry, name in (("units", "units"), ("long_names", "long_name")):
-        for column, text in attributes.pop(entry, {}).items():
-            if column in points.variables and text:
-                points[column].attrs[name] = text
-    points.attrs = attributes
-    return points

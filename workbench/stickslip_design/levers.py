@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
-from functools import partial
 from typing import Final
 
 from scipy.optimize import brentq
@@ -47,33 +46,22 @@ BELOW: Final = "a jump that is allowed"
 
 @dataclass(frozen=True)
 class Lever:
-    """A number of an axis that can be moved in one direction, all others held.
-
-    Attributes
-    ----------
-    name, number, unit, held
-        As of `verdict.AxisCure`.
-    up
-        Whether it grows.
-    now
-        Its value, SI, above 0.
-    moved
-        Returns the axis with another value.
-    lowest
-        The end of its range downwards.
-    farthest
-        The largest factor by which it is moved.
-    """
+    """A number of an axis that can be moved in one direction; names as of `verdict.AxisCure`."""
 
     name: str
     number: str
     unit: str
     up: bool
+    """Whether it grows."""
     now: float
+    """Its value, SI, above 0."""
     moved: Callable[[float], Axis]
+    """Returns the axis with another value."""
     held: str = ""
     lowest: float = 0.0
+    """The end of its range downwards."""
     farthest: float = _FARTHEST
+    """The largest factor by which it is moved."""
 
     def at(self, factor: float) -> Axis:
         """Return the axis with the number moved by a factor above 1, up or down."""
@@ -136,63 +124,42 @@ def _levers_of_drive(axis: Axis, drive: Drive) -> Iterator[Lever]:
     def with_drive(**changes: float) -> Axis:
         return replace(axis, drive=replace(drive, **changes))  # type: ignore[arg-type]
 
-    def gain(K_v: float) -> Axis:
-        return with_drive(K_v=K_v)
-
-    def bandwidth(w: float) -> Axis:
-        return with_drive(bandwidth=w, T_n=shape / w)
-
-    def integral(T_n: float) -> Axis:
-        return with_drive(T_n=T_n)
-
     held = "T_n times the bandwidth" if shape > 0.0 else ""
-    for up, word, of_gain, of_loop in (
-        (False, "lower", _FARTHEST, near),
-        (True, "higher", near, _FARTHEST),
+    position = Lever(
+        "position gain", "K_v", "1/s", True, drive.K_v, lambda K_v: with_drive(K_v=K_v)
+    )
+    velocity = Lever(
+        "bandwidth", "bandwidth", "1/s", True, drive.bandwidth,
+        lambda w: with_drive(bandwidth=w, T_n=shape / w), held,
+    )  # fmt: skip
+    integral = Lever("integral time", "T_n", "s", True, drive.T_n, lambda T_n: with_drive(T_n=T_n))
+    for lever, up, word, farthest in (
+        (position, False, "lower", _FARTHEST),
+        (velocity, False, "lower", near),
+        (position, True, "higher", near),
+        (velocity, True, "higher", _FARTHEST),
+        (integral, False, "shorter", _FARTHEST),
+        (integral, True, "longer", _FARTHEST),
     ):
-        if drive.K_v > 0.0:
-            name = f"{word} position gain"
-            yield Lever(name, "K_v", "1/s", up, drive.K_v, gain, farthest=of_gain)
-        name, now = f"{word} bandwidth", drive.bandwidth
-        yield Lever(name, "bandwidth", "1/s", up, now, bandwidth, held, farthest=of_loop)
-    if drive.T_n > 0.0:
-        yield Lever("shorter integral time", "T_n", "s", False, drive.T_n, integral)
-        yield Lever("longer integral time", "T_n", "s", True, drive.T_n, integral)
+        if lever.now > 0.0:
+            yield replace(lever, name=f"{word} {lever.name}", up=up, farthest=farthest)
 
 
 def cures(axis: Axis, feed: float, now: float, aim: str = END) -> tuple[AxisCure, ...]:
     """Return how far each number must move till an axis moves evenly at a feed.
 
-    Where a largest jump is asked for, also how far to bring the jump down to it.
+    Where a largest jump is asked for, also how far to bring the jump down to it. The axis jumps or
+    swings at the feed [m/s], above 0, and up to `now` [m/s]; `aim` says what the changes are for.
 
-    Parameters
-    ----------
-    axis
-        An axis that jumps or swings at the feed.
-    feed
-        The feed [m/s], above 0.
-    now
-        The upper end of the feeds at which it does so [m/s].
-    aim
-        What the changes are for, in words.
-
-    Returns
-    -------
-    tuple of AxisCure
-        The smallest change first; those that do not help last, and before them a mass that hardly
-        an axis allows. Of a number that could move both ways or be held in two ways, each is there.
+    The smallest change first; those that do not help last, and before them a mass that hardly an
+    axis allows. Of a number that could move both ways or be held in two ways, each is there.
     """
     # Jumps at slow feeds are carried up to the feed; others are followed there.
     servo = axis.drive is not None and axis.friction.law == "coulomb"
     carried = servo and limit_of_jumps(axis, feed).feed >= feed
     found = [lever.cure(_end(lever, feed, now, carried), aim) for lever in levers(axis)]
-    faster = now / feed
-    found.append(
-        AxisCure(
-            "faster", "feeds", "m/s", feed, now if faster < math.inf else None, faster, aim,
-            note="" if faster < math.inf else "without damping the jumps have no end",
-        )
-    )  # fmt: skip
+    then, note = (now, "") if now < math.inf else (None, "without damping the jumps have no end")
+    found.append(AxisCure("faster", "feeds", "m/s", feed, then, now / feed, aim, note=note))
     largest = axis.demand.largest_jump
     jumps = jumps_of(axis, feed) if largest is not None else None
     if largest is not None and jumps is not None and jumps.way > largest:
@@ -211,11 +178,8 @@ def _rank(cure: AxisCure) -> tuple[bool, bool, float]:
 
 def cured(axis: Axis, cure: AxisCure, more: float = 1.0) -> Axis:
     """Return an axis with a cure, its factor times another one."""
-    (lever,) = (
-        each
-        for each in levers(axis)
-        if (each.name, each.number, each.held) == (cure.name, cure.number, cure.held)
-    )
+    same = cure.name, cure.number, cure.held
+    (lever,) = (lever for lever in levers(axis) if (lever.name, lever.number, lever.held) == same)
     return lever.at(cure.effort * more)
 
 
@@ -234,8 +198,9 @@ def _end(lever: Lever, feed: float, now: float, carried: bool) -> float | None:
 
         close = _CLOSE_BY_SIDE if axis.drive is None else _CLOSE
         way = _first(side, feed, 1.0, finer=_COARSE, close=close)
-    unstable = way is not None and axis.drive is not None and not is_stable(lever.at(way))
-    return None if unstable else way
+    if way is not None and axis.drive is not None and not is_stable(lever.at(way)):
+        return None
+    return way
 
 
 def _factor_below(lever: Lever, feed: float, largest: float, end: float) -> float | None:
@@ -277,14 +242,9 @@ def _first(
     while low < most:
         high = min(low + step, most)
         if excess(high) <= 0.0:
-            root = float(brentq(excess, low, high, xtol=close, rtol=1e-13))
-            return math.exp(root)
+            return math.exp(float(brentq(excess, low, high, xtol=close, rtol=1e-13)))
         low = high
     return None
-
-
-def _scaled(lever: Lever, scale: float, factor: float) -> float:
-    return scale * estimated_critical_feed(lever.at(factor))
 
 
 def _factor_of_servo(lever: Lever, feed: float, now: float) -> float | None:
@@ -293,6 +253,9 @@ def _factor_of_servo(lever: Lever, feed: float, now: float) -> float | None:
     The estimate, scaled to the last exact value, says where to look; the exact limit decides.
     """
     exact = {1.0: now}
+
+    def estimate(factor: float) -> float:
+        return estimated_critical_feed(lever.at(factor))
 
     def jumps(factor: float) -> bool:
         axis = lever.at(factor)
@@ -305,11 +268,13 @@ def _factor_of_servo(lever: Lever, feed: float, now: float) -> float | None:
     if not jumps(low):
         return low
     known = False
-    scale = exact[low] / estimated_critical_feed(lever.at(low))
+    scale = exact[low] / estimate(low)
     for _ in range(_MOST):
-        guess = _first(partial(_scaled, lever, scale), feed, low)
-        if guess is None:
-            guess = high
+
+        def scaled(factor: float, by: float = scale) -> float:
+            return by * estimate(factor)
+
+        guess = _first(scaled, feed, low) or high
         if not low < guess < high:
             guess = math.sqrt(low * high) if known else high
         # A little beyond, so that both sides come close.
@@ -322,7 +287,7 @@ def _factor_of_servo(lever: Lever, feed: float, now: float) -> float | None:
             high, known = guess, True
         limit = exact[guess]
         if 0.0 < limit < _BEYOND * feed:
-            scale = limit / estimated_critical_feed(lever.at(guess))
+            scale = limit / estimate(guess)
         if known and high <= low * (1.0 + _CLOSE):
             break
         if known and low < guess <= high and limit > 0.0 and abs(limit / feed - 1.0) < 2e-3:

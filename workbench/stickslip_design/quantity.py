@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import partial
 from typing import Final
@@ -60,37 +60,17 @@ class QuantityError(ValueError):
 
 @dataclass(frozen=True)
 class Units:
-    """A way to write quantities.
-
-    Attributes
-    ----------
-    spelled
-        The unit of a spelling; None where it is not understood.
-    kinds
-        The kinds of quantities that a refusal calls by their names, by SI unit.
-    """
+    """A way to write quantities."""
 
     spelled: Callable[[str], Unit | None]
+    """The unit of a spelling; None where it is not understood."""
     kinds: Mapping[str, Kind]
+    """The kinds of quantities that a refusal calls by their names, by SI unit."""
 
     def read(self, text: str, kinds: Sequence[Kind], bare: Kind | None) -> tuple[float, Kind]:
-        """Read a quantity of one of several kinds.
+        """Read a quantity of one of several kinds: its kind, and the nearest double in its unit.
 
-        Parameters
-        ----------
-        text
-            A number, with or without a unit.
-        kinds
-            What it may be.
-        bare
-            What a number without a unit is; None: it is refused.
-
-        Returns
-        -------
-        float
-            The finite double nearest to the quantity in the unit of its kind.
-        Kind
-            The kind.
+        `bare` is what a number without a unit is; None: it is refused.
 
         Raises
         ------
@@ -105,18 +85,13 @@ class Units:
         typed = self.spelled(symbol)
         if typed is None:
             raise QuantityError(f"has the unknown unit {symbol!r}")
-        for kind in kinds:
+        for kind in (*kinds, *self.kinds.values()):
             unit = self.spelled(kind.unit)
             if unit is not None and unit.dimension == typed.dimension:
+                if kind not in kinds:
+                    raise QuantityError(f"is {kind.name}")
                 return _scaled(number, typed.factor / unit.factor), kind
-        raise QuantityError(self._other(symbol, typed))
-
-    def _other(self, symbol: str, typed: Unit) -> str:
-        for kind in self.kinds.values():
-            unit = self.spelled(kind.unit)
-            if unit is not None and unit.dimension == typed.dimension:
-                return f"is {kind.name}"
-        return f"has the unit {symbol!r}"
+        raise QuantityError(f"has the unit {symbol!r}")
 
 
 def parts_of(text: str) -> tuple[str, str]:
@@ -155,16 +130,10 @@ _TYPED: Final = Units(partial(spelled, all_below=True), KINDS)
 
 
 def typed(text: str, unit: str, within: str = "") -> float:
-    """Read a quantity in which a plain number is SI.
+    """Read a quantity, ``"1e3"``, ``"20mm/s"`` or ``"1 kN/m"``, in which a plain number is SI.
 
-    Parameters
-    ----------
-    text
-        A number, with or without a unit: ``"1e3"``, ``"20mm/s"``, ``"1 kN/m"``.
-    unit
-        The SI unit of the result, which also says what dimension is expected.
-    within
-        The range in words, such as ``"> 0"``, for the message; the caller checks it.
+    The SI unit of the result also says what dimension is expected; `within` is the range in words,
+    such as ``"> 0"``, for the message: the caller checks it.
 
     Raises
     ------
@@ -180,17 +149,19 @@ def typed(text: str, unit: str, within: str = "") -> float:
         raise QuantityError(f"{error}; expected {kind.expected(within)}") from None
 
 
-_TURN: Final = Fraction(2.0 * math.pi)
+_ONE: Final = Unit(Fraction(1), Fraction(0), (0,) * 8)
+_RAD: Final = replace(_ONE, dimension=(0, 0, 0, 0, 0, 0, 0, 1))
+_TURN: Final = replace(_RAD, factor=Fraction(2.0 * math.pi))
 _ROTARY: Final[Mapping[str, Unit]] = {
-    "rad": Unit(Fraction(1), Fraction(0), (0, 0, 0, 0, 0, 0, 0, 1)),
-    "turn": Unit(_TURN, Fraction(0), (0, 0, 0, 0, 0, 0, 0, 1)),
-    "rev": Unit(_TURN, Fraction(0), (0, 0, 0, 0, 0, 0, 0, 1)),
-    "rpm": Unit(_TURN / 60, Fraction(0), (0, 0, -1, 0, 0, 0, 0, 1)),
-    "counts": Unit(Fraction(1), Fraction(0), (0, 0, 0, 0, 0, 0, 0, 0)),
+    "rad": _RAD,
+    "turn": _TURN,
+    "rev": _TURN,
+    "rpm": Unit(_TURN.factor / 60, Fraction(0), (0, 0, -1, 0, 0, 0, 0, 1)),
+    "counts": _ONE,
     # Read sign by sign it could be N ms.
-    "Nms": Unit(Fraction(1), Fraction(0), (1, 2, -1, 0, 0, 0, 0, 0)),
+    "Nms": replace(_ONE, dimension=(1, 2, -1, 0, 0, 0, 0, 0)),
     # Both edges of both tracks of an encoder count.
-    "lines": Unit(Fraction(4), Fraction(0), (0, 0, 0, 0, 0, 0, 0, 0)),
+    "lines": replace(_ONE, factor=Fraction(4)),
 }
 """Units of what turns. Beside them Hz is a turn in a second, and 1/s stays apart from it."""
 
@@ -216,7 +187,7 @@ def on_data_sheet(text: str) -> Unit | None:
 
 def _quotient(signs: list[str]) -> Unit:
     """Take a unit from the beginning of a list of signs, up to a bracket that closes."""
-    unit, side, open_end = Unit(Fraction(1), Fraction(0), (0,) * 8), 1, True
+    unit, side, open_end = _ONE, 1, True
     while signs and signs[0] != ")":
         sign = signs.pop(0)
         if sign in {"/", ".", "·", "*"}:
@@ -258,7 +229,7 @@ def _factor(sign: str) -> Unit:
 
 def _raised(unit: Unit, power: str) -> Unit:
     exponent = {"": 1, "²": 2, "³": 3}.get(power) or int(power.lstrip("^"))
-    return _times(Unit(Fraction(1), Fraction(0), (0,) * 8), unit, exponent)
+    return _times(_ONE, unit, exponent)
 
 
 def _times(one: Unit, other: Unit, power: int) -> Unit:

@@ -28,25 +28,16 @@ _COUNT: Final = re.compile(r"[+-]?\d{1,18}", re.ASCII)
 
 @dataclass(frozen=True)
 class Range:
-    """Values from `low` to `high`, both among them.
-
-    Attributes
-    ----------
-    low, high
-        The ends, in the unit that was asked for.
-    count
-        How many values, at least 2.
-    log
-        Whether each value has the same ratio to the next, in place of the same distance.
-    symbol
-        The unit as it was written; "" for none.
-    """
+    """Values from `low` to `high`, both among them, in the unit that was asked for."""
 
     low: float
     high: float
     count: int
+    """How many values, at least 2."""
     log: bool
+    """Whether each value has the same ratio to the next, in place of the same distance."""
     symbol: str = ""
+    """The unit as it was written; "" for none."""
 
     def values(self) -> NDArray[np.float64]:
         """Return the values, shape (count,), rising; the ends are exact."""
@@ -58,19 +49,8 @@ def parse_range(text: str, unit: str, *, read: Read = typed, count: int | None =
     """Read a range: ``LOW..HIGH [UNIT] [log|lin] [COUNT]``.
 
     A unit of one end counts for both, and each may have its own (``900 um/s..2 mm/s 12``). Without
-    ``log`` the distances are equal.
-
-    Parameters
-    ----------
-    text
-        What a person wrote.
-    unit
-        The unit of the result, which says what dimension is expected.
-    read
-        Reads one end, given text and unit; default: `stickslip_design.quantity.typed`, in which a
-        plain number is SI.
-    count
-        How many values a range has that does not say it; None: it is refused.
+    ``log`` the distances are equal. `read` reads one end, given text and the `unit` of the result;
+    `count` is how many values a range has that does not say it, None: that is refused.
 
     Raises
     ------

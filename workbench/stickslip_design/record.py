@@ -12,7 +12,7 @@ from stickslip_ref import simulate
 
 from .axis import Axis
 from .loop.jumps import loaded
-from .loop.motion import MOST_TURNS, Motion, after, margins_of
+from .loop.motion import Motion, walk
 from .loop.system import TABLE, Mode, System
 
 Floats = NDArray[np.float64]
@@ -28,17 +28,7 @@ class Record(NamedTuple):
 
 
 def record(axis: Axis, feed: float, span: float) -> Record:
-    """Return how the table moves after a break-away at a feed.
-
-    Parameters
-    ----------
-    axis
-        The axis.
-    feed
-        The feed [m/s], above 0.
-    span
-        How long [s].
-    """
+    """Return how the table moves after a break-away at a feed [m/s], above 0, over a span [s]."""
     time = np.linspace(0.0, span, _POINTS)
     place = _of_rigid(axis, feed, time) if axis.drive is None else _of_servo(axis, feed, time)
     return Record(time, place - feed * time)
@@ -58,12 +48,7 @@ def _of_servo(axis: Axis, feed: float, time: Floats) -> Floats:
     mode, point = Mode(0, 1), loaded(motion.system, feed)
     place = np.empty_like(time)
     for number, step in enumerate(np.diff(time, prepend=0.0)):
-        left = float(step)
-        for _ in range(MOST_TURNS):
-            reached = motion.follow(mode, margins_of(motion.system, mode), point, left)
-            left -= reached.elapsed
-            mode, point = after(motion.system, mode, reached)
-            if reached.event is None or not left > 0.0:
-                break
+        *_, turn = walk(motion, mode, point, float(step))
+        mode, point = turn.mode, turn.point
         place[number] = point.state[TABLE]
     return place if math.isfinite(float(place[-1])) else np.full_like(time, math.nan)

@@ -46,16 +46,8 @@ _BEYOND: Final = 1.02
 def design(axis: Axis | AxisFile) -> Verdict:
     """Return whether an axis judders at the feeds that are asked of it, and what cures it.
 
-    Parameters
-    ----------
-    axis
-        The axis, or the file that states it; without feeds only its limits are found. Only a file
-        has the ± that make a range of the critical feed.
-
-    Returns
-    -------
-    Verdict
-        Of an unstable loop the limits and cures are left out: infinite, and empty.
+    Without feeds only its limits are found. Only a file has the ± that make a range of the critical
+    feed. Of an unstable loop the limits and cures are left out: infinite, and empty.
     """
     file = axis if isinstance(axis, AxisFile) else None
     axis = axis.axis() if isinstance(axis, AxisFile) else axis
@@ -65,9 +57,8 @@ def design(axis: Axis | AxisFile) -> Verdict:
     critical = limits.highest if stable else math.inf
     start = _from_rest(axis, critical) if stable else None
     points = tuple(_points(axis, limits, start)) if stable else ()
-    judders = judder(points)
-    found = _cures(axis, limits, points) if judders is not None else ()
-    before, after = _motions(axis, judders, found)
+    found = _cures(axis, limits, points)
+    before, after = _motions(axis, judder(points), found)
     return Verdict(
         axis=axis,
         stable=stable,
@@ -89,7 +80,7 @@ def design(axis: Axis | AxisFile) -> Verdict:
         before=before,
         after=after,
         sentence=in_words(axis, limits, points, found, stable=stable),
-        unanswered=tuple(_left_out(axis)),
+        unanswered=(*_UNANSWERED, _OF_LOOP) if loop else _UNANSWERED,
     )
 
 
@@ -138,16 +129,13 @@ def _cures(
 ) -> tuple[AxisCure, ...]:
     """Return what makes the slowest feed that judders even."""
     point = judder(points)
-    assert point is not None
-    inside = [
-        interval.high
-        for interval in merged([*limits.cycle, *limits.unstable])
-        if point.feed in interval
-    ]
-    aim = (
-        END if point is points[0] and point.jumps else f"even motion at {feed_in_words(point.feed)}"
-    )
-    return cures(axis, point.feed, max(inside, default=point.feed), aim)
+    if point is None:
+        return ()
+    judders = merged([*limits.cycle, *limits.unstable])
+    end = max((part.high for part in judders if point.feed in part), default=point.feed)
+    slowest = point is points[0] and point.jumps
+    aim = END if slowest else f"even motion at {feed_in_words(point.feed)}"
+    return cures(axis, point.feed, end, aim)
 
 
 def _motions(
@@ -197,15 +185,9 @@ def _is_stable(axis: Axis) -> bool:
 
 
 def _responses(axis: Axis) -> Iterator[Response]:
-    for cut in ("position", "force"):
-        for sliding in (True, False):
-            # A stuck table does not answer a scale: that loop is not closed.
-            stuck_scale = cut == "position" and not sliding and axis.drive and axis.drive.on_table
-            if not stuck_scale:
-                yield open_loop(axis, "position" if cut == "position" else "force", sliding=sliding)
-
-
-def _left_out(axis: Axis) -> Iterator[str]:
-    yield from _UNANSWERED
-    if axis.drive is not None:
-        yield _OF_LOOP
+    yield open_loop(axis, "position")
+    # A stuck table does not answer a scale: that loop is not closed.
+    if axis.drive is not None and not axis.drive.on_table:
+        yield open_loop(axis, "position", sliding=False)
+    yield open_loop(axis, "force")
+    yield open_loop(axis, "force", sliding=False)

@@ -24,28 +24,20 @@ WORTHWHILE: Final = 10.0
 
 @dataclass(frozen=True)
 class OperatingPoint:
-    """What the axis does at one feed.
-
-    Attributes
-    ----------
-    regime
-        What happens there.
-    margin
-        The factor by which the feed is away from feeds at which the axis judders [-]: the feed over
-        their upper end, below 1 where it judders; their lower end over the feed where it is slower
-        than they are. Infinite where there are none.
-    after_start
-        Whether the axis jumps there after a start from rest; None where no acceleration is stated,
-        or the drive is rigid.
-    simplified_jump, simplified_frequency
-        Way [m] of a jump, and jumps a second [1/s], by the familiar formulas of a rigid drive.
-    """
+    """What the axis does at one feed."""
 
     regime: Regime
+    """What happens there."""
     margin: float
+    """The factor by which the feed is away from feeds at which the axis judders [-]: the feed over
+    their upper end, below 1 where it judders; their lower end over the feed where it is slower than
+    they are. Infinite where there are none."""
     after_start: bool | None
+    """Whether the axis jumps there after a start from rest; None where no acceleration is stated,
+    or the drive is rigid."""
     simplified_jump: float
     simplified_frequency: float
+    """Way [m] of a jump, and jumps a second [1/s], by the familiar formulas of a rigid drive."""
 
     @property
     def feed(self) -> float:
@@ -82,109 +74,76 @@ def _finite(value: float) -> float | None:
 
 @dataclass(frozen=True)
 class AxisCure:
-    """One number of an axis changed, all others held.
-
-    Attributes
-    ----------
-    name
-        What is changed, in words: "stiffer", "less gap", "more damping", "K_v higher" ...
-    number
-        The number that is changed, by its name in the axis file.
-    unit
-        Its SI unit, to be shown as engineers write it.
-    now, then
-        Its value now, and the one from which on the aim is met, SI; None where none does.
-    effort
-        The factor of the change, above 1; by it the cures are ranked. Infinite where none does.
-    aim
-        "no jump at the slowest feed", "even motion" at the slowest feed that judders, or "a jump
-        that is allowed".
-    held
-        What is held while it changes, in words; empty where nothing needs saying.
-    note
-        What else must be known, in words; why none does, where none does.
-    """
+    """One number of an axis changed, all others held."""
 
     name: str
+    """What is changed, in words: "stiffer", "less gap", "more damping", "K_v higher" ..."""
     number: str
+    """The number that is changed, by its name in the axis file."""
     unit: str
+    """Its SI unit, to be shown as engineers write it."""
     now: float
     then: float | None
+    """Its value now, and the one from which on the aim is met, SI; None where none does."""
     effort: float
+    """The factor of the change, above 1; by it the cures are ranked. Infinite where none does."""
     aim: str
+    """What it is for: "no jump at the slowest feed", "even motion" at the slowest feed that
+    judders, or "a jump that is allowed"."""
     held: str = ""
+    """What is held while it changes, in words; empty where nothing needs saying."""
     note: str = ""
+    """What else must be known, in words; why none does, where none does."""
 
 
 @dataclass(frozen=True)
 class Verdict:
-    """The answer for an axis.
-
-    Attributes
-    ----------
-    axis
-        The axis.
-    stable
-        Whether the loop is stable with a table that slides fast; a rigid drive is.
-    cycle, unstable
-        The feeds [m/s] at which a cycle with jumps exists, and at which even motion is unstable.
-    critical_feed
-        The highest feed that is reached in jumps [m/s]; 0: it never jumps, infinite: at every feed.
-    critical_range
-        The lowest and the highest critical feed within the ± of the axis and along its screw [m/s].
-    rigid_critical_feed
-        The critical feed on a rigid drive [m/s].
-    estimated_critical_feed
-        The quick estimate of the critical feed: the closed form of a rigid drive with the damping
-        of the sliding loop [m/s]; None on a rigid drive.
-    simplified_critical_feed
-        The familiar formula (mu_s - mu_k) N/sqrt(4 pi zeta k m), of a rigid drive [m/s].
-    from_rest
-        The feed above which a start from rest ends in even motion [m/s]; None where no
-        acceleration is stated or the drive is rigid.
-    sliding, stuck
-        The least damped swing with the table sliding, and with it stuck; None on a rigid drive.
-    gains
-        Up to which gains the loop is stable; None on a rigid drive.
-    points
-        The operating points, the slowest feed first.
-    hunting
-        The cycle about a target; None where the axis comes to rest, or on a rigid drive.
-    responses
-        Open loops; empty on a rigid drive.
-    cures
-        What makes the slowest feed that judders even, the smallest change first; empty where none
-        does.
-    before, after
-        The motion after a break-away at that feed, as it is, and beyond the smallest change; None
-        where nothing judders, and where nothing cures it.
-    sentence
-        The answer in words.
-    unanswered
-        What the answer leaves out, a sentence each.
-    """
+    """The answer for an axis."""
 
     axis: Axis
     stable: bool
+    """Whether the loop is stable with a table that slides fast; a rigid drive is."""
     cycle: tuple[Interval, ...]
     unstable: tuple[Interval, ...]
+    """The feeds [m/s] at which a cycle with jumps exists, and at which even motion is unstable."""
     critical_feed: float
+    """The highest feed that is reached in jumps [m/s]; 0: it never jumps, infinite: at every
+    feed."""
     critical_range: tuple[float, float]
+    """The lowest and the highest critical feed within the ± of the axis and along its screw
+    [m/s]."""
     rigid_critical_feed: float
+    """The critical feed on a rigid drive [m/s]."""
     estimated_critical_feed: float | None
+    """The quick estimate of the critical feed: the closed form of a rigid drive with the damping of
+    the sliding loop [m/s]; None on a rigid drive."""
     simplified_critical_feed: float
+    """The familiar formula (mu_s - mu_k) N/sqrt(4 pi zeta k m), of a rigid drive [m/s]."""
     from_rest: float | None
+    """The feed above which a start from rest ends in even motion [m/s]; None where no acceleration
+    is stated or the drive is rigid."""
     sliding: Swing | None
     stuck: Swing | None
+    """The least damped swing with the table sliding, and with it stuck; None on a rigid drive."""
     gains: GainLimits | None
+    """Up to which gains the loop is stable; None on a rigid drive."""
     points: tuple[OperatingPoint, ...]
+    """The operating points, the slowest feed first."""
     hunting: Hunting | None
+    """The cycle about a target; None where the axis comes to rest, or on a rigid drive."""
     responses: tuple[Response, ...]
+    """Open loops; empty on a rigid drive."""
     cures: tuple[AxisCure, ...]
+    """What makes the slowest feed that judders even, the smallest change first; empty where none
+    does."""
     before: Record | None
     after: Record | None
+    """The motion after a break-away at that feed, as it is, and beyond the smallest change; None
+    where nothing judders, and where nothing cures it."""
     sentence: str
+    """The answer in words."""
     unanswered: tuple[str, ...]
+    """What the answer leaves out, a sentence each."""
 
     @property
     def smallest(self) -> tuple[AxisCure, ...]:

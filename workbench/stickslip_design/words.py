@@ -32,28 +32,13 @@ def in_words(
     *,
     stable: bool,
 ) -> str:
-    """Return the answer for an axis in a few sentences.
-
-    Parameters
-    ----------
-    axis
-        The axis.
-    limits
-        The feeds at which it jumps, and at which even motion is unstable.
-    points
-        Its operating points, the slowest feed first.
-    cures
-        The cures, the smallest change first.
-    stable
-        Whether its loop is stable.
-    """
+    """Return the answer for an axis in a few sentences; points and cures as of `Verdict`."""
     if not stable:
         return _unstable(axis)
-    worst = judder(points)
-    ends = _ends(axis, limits)
+    worst, ends = judder(points), _ends(axis, limits)
     if worst is not None:
-        at = feed_in_words(worst.feed)
-        return " ".join([f"{_judder(worst, at)}; {ends}.", *_start(axis, worst), *_smallest(cures)])
+        said = [f"{_judder(worst)}; {ends}.", _start(axis, worst), _smallest(cures)]
+        return " ".join(filter(None, said))
     if not limits.cycle and not limits.unstable:
         return "This axis does not jump at any feed, and moves evenly at each."
     if not points:
@@ -79,11 +64,10 @@ def _where(limits: CriticalVelocity) -> str:
 
 
 def _range(interval: Interval) -> str:
+    endless = math.isinf(interval.high)
     if interval.low_end == "none":
-        return (
-            f"up to {told(interval.high, 'm/s')}" if interval.high < math.inf else "at every feed"
-        )
-    if math.isinf(interval.high):
+        return "at every feed" if endless else f"up to {told(interval.high, 'm/s')}"
+    if endless:
         return f"from {told(interval.low, 'm/s')} on"
     return f"from {shown_in(interval.low, 'm/s')} to {told(interval.high, 'm/s')}"
 
@@ -119,7 +103,8 @@ def _unstable(axis: Axis) -> str:
     )
 
 
-def _judder(point: OperatingPoint, at: str) -> str:
+def _judder(point: OperatingPoint) -> str:
+    at = feed_in_words(point.feed)
     cycle, swings = point.regime.stick_slip, point.regime.swings
     if cycle is None and swings:
         swing = swings[0]
@@ -136,22 +121,20 @@ def _judder(point: OperatingPoint, at: str) -> str:
     return f"At {at} this axis jumps {told(point.jump, 'm')}, {often}{back}"
 
 
-def _start(axis: Axis, point: OperatingPoint) -> list[str]:
+def _start(axis: Axis, point: OperatingPoint) -> str:
     if point.after_start is not False:
-        return []
-    acceleration = axis.demand.acceleration or 0.0
-    return [
-        f"After a start from rest with {number(acceleration, EXACT)} m/s² it moves evenly there, "
-        "but a shove or a slower start makes it jump."
-    ]
+        return ""
+    return (
+        f"After a start from rest with {number(axis.demand.acceleration, EXACT)} m/s² it moves "
+        "evenly there, but a shove or a slower start makes it jump."
+    )
 
 
-def _smallest(cures: Sequence[AxisCure]) -> list[str]:
+def _smallest(cures: Sequence[AxisCure]) -> str:
     found = smallest(cures)
     if not found:
-        return [f"No number alone ends that, changed by a factor of {WORTHWHILE:g}."]
+        return f"No number alone ends that, changed by a factor of {WORTHWHILE:g}."
     best = found[0]
-    assert best.then is not None
     now, then = told(best.now, best.unit, EXACT), told(best.then, best.unit, EXACT)
     held = f" ({best.held} held)" if best.held else ""
-    return [f"Smallest change: {best.name}, {best.number} from {now} to {then}{held}."]
+    return f"Smallest change: {best.name}, {best.number} from {now} to {then}{held}."

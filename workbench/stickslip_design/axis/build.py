@@ -66,16 +66,16 @@ class Builder:
                 within=f"above {-lifted:.6g} N", remedy="correct load, mass or gravity",
             )  # fmt: skip
         feeds = tuple(sorted(self._number(path) for path in self._paths("demand.feeds")))
+        spread = {
+            path: value.spread
+            for path, value in self._stated.items()
+            if isinstance(value, Number) and value.spread
+        }
         axis = Axis(
             **numbers, name=self._text("axis.name") or self._name,
             friction=self._friction(normal, capped=capped), drive=self._drive(),
-            demand=Demand(**self._fields("demand") | {"feeds": feeds}),
-            stiffest=-_least(*(-each for each in stiffness)) if len(stiffness) > 1 else None,
-            spread={
-                path: value.spread
-                for path, value in self._stated.items()
-                if isinstance(value, Number) and value.spread
-            },
+            demand=Demand(**self._fields("demand") | {"feeds": feeds}), spread=spread,
+            stiffest=-_least(*(-k for k in stiffness)) if len(stiffness) > 1 else None,
             assumed=tuple(self._assumed),
         )  # fmt: skip
         self._check(axis)
@@ -91,8 +91,7 @@ class Builder:
             reason = "the least of the curve, for studies with a constant kinetic friction"
             self._assume("friction.mu_k", f"{mu_k:.4g}", reason)
             if mu_s is None:
-                mu_s = curve.coefficients[0]
-                reason = "the friction of the curve at speed 0"
+                mu_s, reason = curve.coefficients[0], "the friction of the curve at speed 0"
                 self._assume("friction.mu_s", f"{mu_s:.4g}", reason)
         assert mu_s is not None
         assert mu_k is not None
@@ -142,11 +141,13 @@ class Builder:
         if "bandwidth" not in numbers:
             numbers["bandwidth"] = self._at_slide("drive.velocity_gain") / numbers["inertia"]
         numbers.setdefault("T_n", 4.0 / numbers["bandwidth"])
-        filters = [each for each in self._sections if each.startswith("drive.filter")]
-        return Drive(
-            **numbers, on_table=self._text("drive.position") == "table",
-            filters=tuple(self._filter(each, numbers["T_s"]) for each in filters),
-        )  # fmt: skip
+        filters = [
+            self._filter(section, numbers["T_s"])
+            for section in self._sections
+            if section.startswith("drive.filter")
+        ]
+        on_table = self._text("drive.position") == "table"
+        return Drive(**numbers, on_table=on_table, filters=tuple(filters))
 
     def _filter(self, path: str, T_s: float) -> Filter:
         frequency = self._number(f"{path}.frequency")
@@ -193,18 +194,16 @@ class Builder:
 
     def _at_slide(self, path: str) -> float:
         """Return a number, of what is stated at the motor as it is seen at the slide."""
-        number = self._values[path]
-        assert isinstance(number, Number)
-        value = number.value
-        if number.unit in {key_of(path).units[0], "1/s"}:
+        value, unit, _ = self._stated_number(path)
+        if unit in {key_of(path).units[0], "1/s"}:
             return value
-        if number.unit == "1/turn":
+        if unit == "1/turn":
             return self._needed("drive.pitch", path) / value
-        if number.unit == "1":
+        if unit == "1":
             # Not in place: the value may be an array, which is the caller's.
             value = value * self._needed("drive.rated_torque", path)
         per_metre = 2.0 * math.pi / self._needed("drive.pitch", path)
-        for _ in range(_AT_MOTOR.get(number.unit, 1)):
+        for _ in range(_AT_MOTOR.get(unit, 1)):
             value = value * per_metre
         if not np.all(np.isfinite(value)):
             raise AxisError("is larger than a double can hold at the slide", key=path)
@@ -215,10 +214,13 @@ class Builder:
             raise key_of(path).refusal(path, f"is missing; {by} is stated in terms of it")
         return self._number(path)
 
-    def _number(self, path: str) -> float:
+    def _stated_number(self, path: str) -> Number:
         number = self._values[path]
         assert isinstance(number, Number)
-        return number.value
+        return number
+
+    def _number(self, path: str) -> float:
+        return self._stated_number(path).value
 
     def _text(self, path: str) -> str:
         return str(self._values.get(path, ""))
@@ -281,8 +283,8 @@ class Builder:
 
 def _least(first: Any, *others: Any) -> Any:
     """Return the least of some numbers; of arrays the least of each point."""
-    for each in others:
-        first = _plain(np.minimum(first, each))
+    for other in others:
+        first = _plain(np.minimum(first, other))
     return first
 
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 import re
 from dataclasses import dataclass, replace
-from typing import Final
+from typing import Any, Final
 
 from stickslip_ref import COULOMB, STRIBECK, OwnParameter
 
@@ -17,7 +17,7 @@ from ..quantity import KINDS, Kind, Units, on_data_sheet
 from .model import STANDARD_GRAVITY
 from .refusal import AxisError
 
-_AT_MOTOR: Final = (
+_OF_DRIVES: Final = (
     Kind("an inertia", "kg.m2", "60 kg cm2"),
     Kind("a torque", "N.m", "19 N m"),
     Kind("a damping at the motor", "N.m.s/rad", "2 mN m s/rad"),
@@ -27,7 +27,7 @@ _AT_MOTOR: Final = (
     Kind("a frequency", "Hz", "400 Hz"),
     Kind("counts per turn", "1/turn", "1000000 counts/turn"),
 )
-UNITS: Final = Units(on_data_sheet, KINDS | {kind.unit: kind for kind in _AT_MOTOR})
+UNITS: Final = Units(on_data_sheet, KINDS | {kind.unit: kind for kind in _OF_DRIVES})
 """How quantities are written in an axis file."""
 
 FORCE: Final = ("N", "N.m")
@@ -209,18 +209,13 @@ _COULOMB: Final = ("law", "coulomb")
 _STRIBECK: Final = ("law", "stribeck")
 
 
-def _of_law(
-    own: OwnParameter, meaning: str, example: str, goes_with: tuple[str, ...], reason: str = "",
-    instead: tuple[str, ...] = (),
-) -> Key:  # fmt: skip
+def _of_law(own: OwnParameter, meaning: str, example: str, **more: Any) -> Key:
     """Return the key of a parameter of a friction law, with the law's unit, default and range."""
     unit = own.bound.unit or "1"
-    default = f"{own.start:g}" if unit == "1" else f'"{own.start:g} {unit}"'
-    return Key(
-        "", meaning, example, (unit,), Range(own.bound.low, own.bound.strict), spread=True,
-        default=default if reason else "", reason=reason, unless=instead, excludes=instead,
-        goes_with=goes_with,
-    )  # fmt: skip
+    if "reason" in more:
+        more["default"] = f"{own.start:g}" if unit == "1" else f'"{own.start:g} {unit}"'
+    within = Range(own.bound.low, own.bound.strict)
+    return Key("", meaning, example, (unit,), within, spread=True, **more)
 
 
 _KEYS: Final = {
@@ -292,16 +287,16 @@ _KEYS: Final = {
     ),
     "friction.tau_s": _of_law(
         COULOMB.parameters["tau_s"], "Time at rest over which static friction grows to mu_s.",
-        '"100 ms"', _COULOMB, "static friction is there at once",
+        '"100 ms"', goes_with=_COULOMB, reason="static friction is there at once",
     ),
     "friction.B": _of_law(
         COULOMB.parameters["B"],
         "Growth of the static coefficient with the logarithm of the time at rest.", "0.01",
-        _COULOMB, "static friction does not grow without end",
+        goes_with=_COULOMB, reason="static friction does not grow without end",
     ),
     "friction.t_0": _of_law(
         COULOMB.parameters["t_0"], "Time at rest from which on that growth is logarithmic.",
-        '"1 ms"', ("B",), "the default of the friction law",
+        '"1 ms"', goes_with=("B",), reason="the default of the friction law",
     ),
     "friction.shape": Key(
         "", "How friction falls from mu_s to mu_k: exp(-(u/v_s)^delta), or 1/(1 + u/v_s).",
@@ -309,12 +304,12 @@ _KEYS: Final = {
         reason="the default of the friction law", excludes=("curve",),
     ),
     "friction.v_s": _of_law(
-        STRIBECK.parameters["v_s"], "Speed over which friction falls.", '"10 mm/s"', _STRIBECK,
-        instead=("curve",),
+        STRIBECK.parameters["v_s"], "Speed over which friction falls.", '"10 mm/s"',
+        goes_with=_STRIBECK, unless=("curve",), excludes=("curve",),
     ),
     "friction.delta": _of_law(
-        STRIBECK.parameters["delta"], "Exponent of the fall.", "1", _STRIBECK,
-        "the default of the friction law", ("curve",),
+        STRIBECK.parameters["delta"], "Exponent of the fall.", "1", goes_with=_STRIBECK,
+        reason="the default of the friction law", unless=("curve",), excludes=("curve",),
     ),
     "drive.kind": Key(
         "", "A screw behind a servo motor; rigid: pitch and rated torque alone are read.",

@@ -51,14 +51,11 @@ class AxisFile:
     def identity(self) -> dict[str, Any]:
         """What the file states, as JSON knows it; of a measured curve the SHA-256 of its file.
 
-        Raises
-        ------
-        AxisError
-            If the file of the curve cannot be read.
+        AxisError if that cannot be read.
         """
-        stated = {
-            path: [each.value, each.unit, each.spread] if isinstance(each, Number) else each
-            for path, each in self.values.items()
+        stated: dict[str, Any] = {
+            path: list(value) if isinstance(value, Number) else value
+            for path, value in self.values.items()
         }
         curve = self.values.get("friction.curve")
         if not isinstance(curve, str):
@@ -66,20 +63,12 @@ class AxisFile:
         try:
             content = (self._folder / curve).read_bytes()
         except OSError as error:
-            reason = (error.strerror or type(error).__name__).lower()
-            raise AxisError(
-                f"cannot be read: {reason}", key="friction.curve", value=curve, name=self.name
-            ) from None
+            reason = _unread(error)
+            raise AxisError(reason, "friction.curve", value=curve, name=self.name) from None
         return stated | {"friction.curve": sha256(content).hexdigest()}
 
     def axis(self) -> Axis:
-        """Return the axis.
-
-        Raises
-        ------
-        AxisError
-            If something is missing, or values do not go together.
-        """
+        """Return the axis; AxisError if something is missing, or values do not go together."""
         name = Path(self.name).stem or "axis"
         builder = Builder(name, self.values, self._sections, self._folder)
         try:
@@ -96,17 +85,9 @@ class AxisFile:
         zeta, that is held when the stiffness changes, and not c; where it states forces, those and
         not the coefficients. A kinetic friction that comes above the static one is taken as that.
 
-        Parameters
-        ----------
-        numbers
-            Numbers by name, of those that the file states, in the SI unit in which it states them.
-            Arrays of one length make an axis whose numbers are arrays: many axes at once. For a
-            rigid drive and friction of constant coefficients alone: closed forms take them.
-
-        Raises
-        ------
-        KeyError
-            If the file states no such number.
+        `numbers` are in the SI unit in which the file states them; KeyError if it states no such
+        number. Arrays of one length make an axis whose numbers are arrays: many axes at once. For a
+        rigid drive and friction of constant coefficients alone: closed forms take them.
         """
         values = dict(self.values)
         for path, value in numbers.items():
@@ -120,13 +101,7 @@ class AxisFile:
 
 
 def read_axis(path: Path | str) -> Axis:
-    """Read an axis file.
-
-    Raises
-    ------
-    AxisError
-        If it cannot be read, or what it states is not an axis.
-    """
+    """Read an axis file; AxisError if it cannot be read, or what it states is not an axis."""
     return read_axis_file(path).axis()
 
 
@@ -136,8 +111,7 @@ def read_axis_file(path: Path | str) -> AxisFile:
     try:
         text = path.read_text(encoding="utf-8-sig")
     except OSError as error:
-        reason = (error.strerror or type(error).__name__).lower()
-        raise AxisError(f"cannot be read: {reason}", name=str(path)) from None
+        raise AxisError(_unread(error), name=str(path)) from None
     except UnicodeDecodeError:
         remedy = "save the file as UTF-8"
         raise AxisError("is no text in UTF-8", name=str(path), remedy=remedy) from None
@@ -145,21 +119,10 @@ def read_axis_file(path: Path | str) -> AxisFile:
 
 
 def axis_of(text: str, name: str = "axis.toml", folder: Path | None = None) -> Axis:
-    """Read the text of an axis file.
+    """Read the text of an axis file, TOML; AxisError if what it states is not an axis.
 
-    Parameters
-    ----------
-    text
-        TOML.
-    name
-        Name of the file, for refusals; without its suffix that of an axis that has none.
-    folder
-        Where the file of a measured curve is looked for; the working folder by default.
-
-    Raises
-    ------
-    AxisError
-        If what it states is not an axis.
+    `name` is the file, for refusals; without its suffix that of an axis that has none. A measured
+    curve is looked for in `folder`, the working folder by default.
     """
     return axis_file_of(text, name, folder).axis()
 
@@ -184,6 +147,10 @@ def axis_file_of(text: str, name: str = "axis.toml", folder: Path | None = None)
         error.name, error.line = name, _line_of(text, error.key)
         raise
     return AxisFile(name, values, tuple(sections), written, text, folder or Path())
+
+
+def _unread(error: OSError) -> str:
+    return f"cannot be read: {(error.strerror or type(error).__name__).lower()}"
 
 
 def _line_of(text: str, path: str) -> int:

@@ -17,7 +17,7 @@ from ..axis import Axis
 from ..one_thread import one_thread
 from .jumps import Limit, limit_of_jumps, loaded
 from .lines import line_at
-from .motion import Margin, Motion, Point, after, margins_of
+from .motion import Motion, Point, after, extreme, margins_of
 from .stability import swing
 from .system import LAST, MOTOR, SPEED, TABLE, Mode, System
 
@@ -57,22 +57,15 @@ _LONGEST: Final = 400.0
 
 
 class Course(NamedTuple):
-    """Where a motion leads.
-
-    Attributes
-    ----------
-    kind
-        "even", "swings" or "sticks".
-    swing, stick_slip
-        The swing or the cycle that it ends in.
-    settling
-        Time from the first break-away until it is even [s]; infinite where it does not end so.
-    """
+    """Where a motion leads."""
 
     kind: Kind
+    """"even", "swings" or "sticks"."""
     swing: Swinging | None = None
     stick_slip: StickSlip | None = None
+    """The swing or the cycle that it ends in."""
     settling: float = math.inf
+    """Time from the first break-away until it is even [s]; infinite where it does not end so."""
 
 
 class Extreme(NamedTuple):
@@ -86,15 +79,7 @@ class Extreme(NamedTuple):
 
 
 class Courses:
-    """The motions of a servo axis at one feed.
-
-    Parameters
-    ----------
-    axis
-        An axis with a drive.
-    feed
-        The feed [m/s], above 0.
-    """
+    """The motions of a servo axis at one feed [m/s], above 0."""
 
     def __init__(self, axis: Axis, feed: float) -> None:
         self._axis, self._feed = axis, feed
@@ -110,13 +95,22 @@ class Courses:
             least = swing(self._axis)
             settling = -math.log(SETTLED) / (least.damping * least.w) if least.w else 0.0
             return Course("even", settling=settling)
-        extremes: list[Extreme] = []
-        for event in self._events(*self._start(begin)):
-            extremes.append(event)
-            found = self._sticks(extremes) if event.name == "stop" else self._swings(extremes)
+        events, found = self._followed(*self._start(begin))
+        return found or self._last(events)
+
+    def _followed(
+        self, mode: Mode, point: Point, most: float = math.inf
+    ) -> tuple[list[Extreme], Course | None]:
+        """Return the events up to where the motion leads, or to a run of `most` extremes."""
+        events: list[Extreme] = []
+        for event in self._events(mode, point):
+            events.append(event)
+            found = self._sticks(events) if event.name == "stop" else self._swings(events)
             if found is not None:
-                return found
-        return self._last(extremes)
+                return events, found
+            if len(events) >= most and len(self._run(events)) >= most:
+                break
+        return events, None
 
     def _start(self, begin: Begin) -> tuple[Mode, Point]:
         system, axis, feed = self._system, self._axis, self._feed
@@ -170,9 +164,7 @@ class Courses:
                 # Beside an extreme its own rounding would be the next one.
                 until = min(until, _BESIDE * period)
             elif mode.table:
-                sign = 1.0 if rising else -1.0
-                name = "peak" if rising else "dip"
-                margins += (Margin(name, sign * system.rates(mode, 0)[SPEED]),)
+                margins += (extreme(system, mode, rising=rising),)
             reached = self._motion.follow(mode, margins, point, until)
             elapsed = float(reached.elapsed)
             passed, left, end = passed + elapsed, left - elapsed, end - elapsed
@@ -324,25 +316,25 @@ class Courses:
 
     def _grows(self, deviation: float) -> float | Course:
         """Return whether a swing begun at a deviation grows (above 0), or where it leads."""
-        extremes: list[Extreme] = []
-        run: list[Extreme] = []
-        for event in self._events(*self._beside(deviation)):
-            extremes.append(event)
-            found = self._sticks(extremes) if event.name == "stop" else self._swings(extremes)
-            if found is not None:
-                return found
-            if len(run := self._run(extremes)) >= _TRIED * _LAST:
-                break
+        events, found = self._followed(*self._beside(deviation), _TRIED * _LAST)
+        if found is not None:
+            return found
+        run = self._run(events)
         _, before, now = _heights(run) if len(run) >= 3 * _LAST else (1.0, 1.0, 0.0)
         return now - before
 
 
+def jolted(axis: Axis, feed: float) -> Iterator[Kind]:
+    """Yield where motions out of a break-away and out of a blow lead at a feed [m/s]."""
+    courses = Courses(axis, feed)
+    yield courses.course("jumps").kind
+    yield courses.course("struck").kind
+
+
 def _heights(run: list[Extreme]) -> tuple[float, float, float]:
     """Return the ranges of the speed over the last three windows of extremes [m/s]."""
-    first, before, now = (
-        _height(run[-(number + 1) * _LAST : len(run) - number * _LAST]) for number in (2, 1, 0)
-    )
-    return first, before, now
+    first, second = len(run) - 2 * _LAST, len(run) - _LAST
+    return _height(run[first - _LAST : first]), _height(run[first:second]), _height(run[second:])
 
 
 def _height(extremes: list[Extreme]) -> float:
@@ -352,22 +344,14 @@ def _height(extremes: list[Extreme]) -> float:
 
 
 def regime_in_loop(axis: Axis, feed: float, limit: Limit | None = None) -> Regime:
-    """Return what a servo axis does at a feed [m/s].
+    """Return what a servo axis, its loop stable, does at a feed [m/s].
 
-    Parameters
-    ----------
-    axis
-        An axis with a drive, its loop stable.
-    feed
-        The feed [m/s].
-    limit
-        The end of its jumps, where it is known.
+    `limit` is the end of its jumps from the slowest feed on, where that is known.
     """
     least = swing(axis, line=line_at(axis, feed))
     courses = Courses(axis, feed)
-    begins: list[Begin] = ["rest", "jumps", "struck"]
-    if least.damping < 0.0:
-        begins.append("even")
+    begins: tuple[Begin, ...] = ("rest", "jumps", "struck")
+    begins += ("even",) if least.damping < 0.0 else ()
     found = [courses.course(begin) for begin in begins]
     # One that was followed to a stop only ends as jumps do.
     found = [found[1] if course == Course("sticks") else course for course in found]

@@ -18,35 +18,22 @@ _LONGEST: Final = 100.0
 
 
 class Hunting(NamedTuple):
-    """The cycle of an axis about its target.
-
-    Attributes
-    ----------
-    jump
-        Way of the table in a slip [m].
-    period
-        Of a jump there and a jump back [s].
-    dead_band
-        The smallest dead band that ends it [m]: the largest error at which the table rests.
-    """
+    """The cycle of an axis about its target."""
 
     jump: float
+    """Way of the table in a slip [m]."""
     period: float
+    """Of a jump there and a jump back [s]."""
     dead_band: float
+    """The smallest dead band that ends it [m]: the largest error at which the table rests."""
 
 
 @one_thread
 def hunting(axis: Axis) -> Hunting | None:
-    """Return the cycle of an axis that holds a target, None where it comes to rest.
+    """Return the cycle of a servo axis that holds a target, None where it comes to rest.
 
-    Parameters
-    ----------
-    axis
-        An axis with a drive; its dead band is taken as 0.
-
-    Notes
-    -----
-    The table stands half the relief of the spring away from the target, drive and spring at rest.
+    The dead band is taken as 0. The table stands half the relief of the spring away from the
+    target, drive and spring at rest.
     """
     system = System(axis)
     motion = Motion(system)
@@ -58,22 +45,18 @@ def hunting(axis: Axis) -> Hunting | None:
     mode = Mode(0, 0 if system.drive.dry > 0.0 else 1)
     point, passed = Point(state, 0.0), 0.0
     while len(rests) < _SLIPS:
-        moved = False
         for turn in walk(motion, mode, point, _LONGEST):
-            if turn.event == "time":
-                return None
             mode, point = turn.mode, turn.point
             if turn.event in ("forward", "backward"):
                 broke.append(passed + turn.time)
             elif turn.event == "stop":
-                moved = True
                 rests.append(float(point.state[TABLE]))
                 passed += turn.time
                 break
-        if not moved:
+        else:
             return None
     jump = abs(rests[-1] - rests[-2])
-    left = max(abs(each - target) for each in rests[-2:])
+    left = max(abs(rest - target) for rest in rests[-2:])
     if not jump > _NOTHING * target:
         return None
     return Hunting(jump, broke[-1] - broke[-3], left)

@@ -1,8 +1,4 @@
-"""How a servo axis jumps at a feed, and up to which feed: docs/feed-axis.md.
-
-The samples of the controller are kept, counts of the
-encoders left out.
-"""
+"""How a servo axis jumps at a feed, and up to which feed: docs/feed-axis.md."""
 
 from __future__ import annotations
 
@@ -14,7 +10,7 @@ import numpy as np
 from ..axis import Axis
 from ..one_thread import one_thread
 from .lines import lines_of
-from .motion import OF_TABLE, Event, Motion, Point, after, margins_of, rising_again
+from .motion import OF_TABLE, Motion, Point, Turn, extreme, walk
 from .system import LAST, MOTOR, SPEED, TABLE, Mode, System
 
 _CYCLES: Final = 12
@@ -39,25 +35,17 @@ _MOST: Final = 2_000
 
 
 class Jump(NamedTuple):
-    """A slip of the table and the stick after it.
-
-    Attributes
-    ----------
-    way
-        Of the table in the slip [m].
-    t_slip, t_stick
-        How long it slips, and rests after it [s].
-    relief
-        By how much the spring force falls [N].
-    least
-        The speed that a slip without rest would have fallen to [m/s]; below 0.
-    """
+    """A slip of the table and the stick after it."""
 
     way: float
+    """Of the table in the slip [m]."""
     t_slip: float
     t_stick: float
+    """How long it slips, and rests after it [s]."""
     relief: float
+    """By how much the spring force falls [N]."""
     least: float
+    """The speed that a slip without rest would have fallen to [m/s]; below 0."""
 
     @property
     def period(self) -> float:
@@ -66,39 +54,20 @@ class Jump(NamedTuple):
 
 
 class Limit(NamedTuple):
-    """Where jumping ends as the feed rises.
-
-    Attributes
-    ----------
-    feed
-        The highest feed that is reached in jumps [m/s]; 0 where there is none.
-    jump
-        The longest jump of the settled cycle there; None where there is none.
-    rate
-        Jumps a second there [1/s].
-    """
+    """Where jumping ends as the feed rises."""
 
     feed: float
+    """The highest feed that is reached in jumps [m/s]; 0 where there is none."""
     jump: Jump | None
+    """The longest jump of the settled cycle there; None where there is none."""
     rate: float = 0.0
-
-
-class _Followed(NamedTuple):
-    """An event of the table, and how table and motor move up to it."""
-
-    mode: Mode
-    reached: Event
+    """Jumps a second there [1/s]."""
 
 
 class Jumping:
-    """The cycle of a servo axis, carried from feed to feed.
+    """The cycle of a servo axis, carried from feed to feed [m/s].
 
-    Parameters
-    ----------
-    axis
-        An axis with a drive.
-    feed
-        Where it begins [m/s], above 0: out of an even creep of the motor against the table at rest.
+    It begins out of an even creep of the motor, at a feed above 0, against the table at rest.
     """
 
     def __init__(self, axis: Axis, feed: float) -> None:
@@ -109,35 +78,30 @@ class Jumping:
 
     def at(self, feed: float) -> list[Jump] | None:
         """Return the jumps of some cycles at a feed [m/s]; None, and stay, where they end."""
-        system = self._system
-        there = self._moved(feed)
-        mode = Mode(0, 1)
-        event = self._followed(mode, there)
+        system, axis = self._system, self._system.axis
+        # Within a swing; where the friction falls, going on so could grow without end.
+        swing = 2.0 * math.pi * math.sqrt(axis.m / axis.k)
+        event = self._followed(Mode(0, 1), self._moved(feed))
         jumps: list[Jump] = []
         for _ in range(_MOST):
+            if event is None:
+                return None
             if len(jumps) >= _CYCLES and self._settled(jumps):
                 break
-            if event is None:
+            slip = self._followed(event.mode, event.point) if event.mode.table == 1 else None
+            if slip is None:
                 return None
-            mode, start = after(system, event.mode, event.reached)
-            slip = self._followed(mode, start)
-            if slip is None or mode.table != 1:
-                return None
-            # Within a swing; where the friction falls, going on so could grow without end.
-            swing = 2.0 * math.pi * math.sqrt(system.axis.m / system.axis.k)
-            least = self._motion.follow(
-                slip.mode, rising_again(system, slip.mode), slip.reached.point, swing
-            ).point.state[SPEED]
-            mode, stick = after(system, slip.mode, slip.reached)
-            way = float(stick.state[TABLE] - start.state[TABLE])
-            relief = system.axis.k * float(start.state[MOTOR] - stick.state[MOTOR] + way)
-            stick = _centred(system, stick)
-            event = self._followed(mode, stick)
-            if event is None:
-                return None
-            t_slip, t_stick = slip.reached.elapsed, event.reached.elapsed
-            jumps.append(Jump(way, t_slip, t_stick, relief, float(least)))
-        assert event is not None
+            turn = extreme(system, slip.before, rising=False)
+            least = self._motion.follow(slip.before, (turn,), slip.reached.point, swing)
+            begin, end = event.point.state, slip.point.state
+            way = float(end[TABLE] - begin[TABLE])
+            relief = axis.k * float(begin[MOTOR] - end[MOTOR] + way)
+            event = self._followed(slip.mode, _centred(system, slip.point))
+            if event is not None:
+                least_speed = float(least.point.state[SPEED])
+                jumps.append(Jump(way, slip.time, event.time, relief, least_speed))
+        if event is None:
+            return None
         self._at, self.feed = event.reached.point, feed
         return jumps
 
@@ -148,30 +112,16 @@ class Jumping:
         """
         if not len(self._system.growth[0]):
             return True
-        before, last = (
-            sum(each.way for each in jumps[begin:end])
-            for begin, end in ((-_CYCLES, -_CYCLES // 2), (-_CYCLES // 2, None))
-        )
+        ways = [jump.way for jump in jumps[-_CYCLES:]]
+        before, last = sum(ways[: _CYCLES // 2]), sum(ways[_CYCLES // 2 :])
         return abs(last / before - 1.0) <= _STEADY
 
-    @property
-    def _longest(self) -> float:
-        axis = self._system.axis
-        return _LONGEST * math.sqrt(axis.m / axis.k) + 4.0 * axis.F_s / (axis.k * self.feed)
-
-    def _followed(self, mode: Mode, point: Point) -> _Followed | None:
+    def _followed(self, mode: Mode, point: Point) -> Turn | None:
         """Follow to the next event of the table, past those of the motor; None where none comes."""
-        passed = 0.0
-        for _ in range(_MOST):
-            margins = margins_of(self._system, mode)
-            found = self._motion.follow(mode, margins, point, self._longest - passed)
-            passed += found.elapsed
-            if found.event is None:
-                return None
-            if found.event in OF_TABLE:
-                return _Followed(mode, found._replace(elapsed=passed))
-            mode, point = after(self._system, mode, found)
-        return None
+        axis = self._system.axis
+        longest = _LONGEST * math.sqrt(axis.m / axis.k) + 4.0 * axis.F_s / (axis.k * self.feed)
+        turns = walk(self._motion, mode, point, longest)
+        return next((turn for turn in turns if turn.event in OF_TABLE), None)
 
     def _moved(self, feed: float) -> Point:
         """Return where the cycle stands, with an even motion of the difference in feed added."""
@@ -213,29 +163,19 @@ def jump_at(axis: Axis, feed: float) -> Jump | None:
 def limit_of_jumps(axis: Axis, highest: float = math.inf, begin: float | None = None) -> Limit:
     """Return the highest feed that a servo axis reaches in jumps when the feed rises slowly.
 
-    Parameters
-    ----------
-    axis
-        An axis with a drive.
-    highest
-        Where the search ends [m/s].
-    begin
-        A feed with jumps to begin at [m/s]; else one is looked for.
-
-    Notes
-    -----
-    At the end the least speed of a slip comes to 0 (grazing). The cycle is carried along; each step
-    goes part of the way to where that speed, by its last change, would be 0.
+    The search ends at the feed `highest` [m/s]; it begins at `begin`, a feed with jumps [m/s], or
+    looks for one. At the end the least speed of a slip comes to 0 (grazing). The cycle is carried
+    along; each step goes part of the way to where that speed, by its last change, would be 0.
     """
-    if begin is None:
-        found = _begun(axis, highest)
+    feeds = [begin] if begin is not None else [min(feed, highest) for feed in beginnings(axis)]
+    for feed in dict.fromkeys(feeds):
+        if feed > 0.0:
+            cycle = Jumping(axis, feed)
+            jumps = cycle.at(feed)
+            if jumps is not None:
+                break
     else:
-        cycle = Jumping(axis, begin)
-        jumps = cycle.at(begin)
-        found = None if jumps is None else (cycle, jumps)
-    if found is None:
         return Limit(0.0, None)
-    cycle, jumps = found
     known = cycle.feed, _least(jumps)
     step = min(0.5 * cycle.feed, highest - cycle.feed)
     for _ in range(_MOST):
@@ -255,19 +195,8 @@ def limit_of_jumps(axis: Axis, highest: float = math.inf, begin: float | None = 
         known = feed, least
         step = min(max(_SHARE * left, _CLOSE * feed), feed)
     settled = jumps[-(_CYCLES // 2) :]
-    rate = len(settled) / sum(each.period for each in settled)
-    return Limit(cycle.feed, max(settled, key=lambda each: each.way), rate)
-
-
-def _begun(axis: Axis, highest: float) -> tuple[Jumping, list[Jump]] | None:
-    """Return the cycle at the highest of the feeds tried at which it forms; None without one."""
-    for feed in dict.fromkeys(min(feed, highest) for feed in beginnings(axis)):
-        if feed > 0.0:
-            cycle = Jumping(axis, feed)
-            jumps = cycle.at(feed)
-            if jumps is not None:
-                return cycle, jumps
-    return None
+    rate = len(settled) / sum(jump.period for jump in settled)
+    return Limit(cycle.feed, max(settled, key=lambda jump: jump.way), rate)
 
 
 def beginnings(axis: Axis) -> list[float]:

@@ -19,22 +19,15 @@ _SLOWEST, _FASTEST = 1e-3, 1e3
 
 
 class Line(NamedTuple):
-    """Dry friction from one speed to the next.
-
-    Attributes
-    ----------
-    low, high
-        The speeds [m/s]; the last line goes to infinity.
-    force
-        Friction at the lower speed [N].
-    slope
-        How it rises with the speed [N.s/m].
-    """
+    """Dry friction from one speed to the next."""
 
     low: float
     high: float
+    """The speeds [m/s]; the last line goes to infinity."""
     force: float
+    """Friction at the lower speed [N]."""
     slope: float
+    """How it rises with the speed [N.s/m]."""
 
 
 def lines_of(axis: Axis) -> tuple[Line, ...]:

@@ -8,8 +8,8 @@ is a cubic, which also finds what dips below 0 and comes back within a part.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
-from typing import Final, NamedTuple
+from collections.abc import Iterable, Iterator
+from typing import Any, Final, NamedTuple
 
 import numpy as np
 from scipy.linalg import expm
@@ -78,13 +78,7 @@ class _Trace(NamedTuple):
 
 
 class Motion:
-    """The motion of a servo axis.
-
-    Parameters
-    ----------
-    system
-        Its linear systems.
-    """
+    """The motion of a servo axis, with its linear systems."""
 
     def __init__(self, system: System) -> None:
         self.system = system
@@ -95,16 +89,7 @@ class Motion:
     ) -> Event:
         """Return the first event, or the point after the time `until` [s].
 
-        Parameters
-        ----------
-        mode
-            How table and motor move.
-        margins
-            What is watched; a margin that is 0 at the beginning is watched from when it is above.
-        point
-            Where the motion stands.
-        until
-            The longest time [s]; finite where no event need come.
+        A margin that is 0 at the beginning is watched from when it is above.
         """
         passed = 0.0
         if point.offset > 0.0:
@@ -112,7 +97,10 @@ class Motion:
             if rest.event is not None or rest.elapsed >= until:
                 return rest
             point, passed = rest.point, rest.elapsed
-        trace = self._trace(mode, margins)
+        key = mode, tuple(margin.event for margin in margins)
+        if key not in self._traces:
+            self._traces[key] = self._traced(mode, margins)
+        trace = self._traces[key]
         block = _SAMPLES * self.system.drive.T_s
         state = point.state
         while True:
@@ -141,13 +129,7 @@ class Motion:
             rows = [margin.under(system, part.late) for margin in margins]
             both = np.array([[state, rates @ state], [after, rates @ after]])
             ends = [both @ row for row in rows]
-            crossing, which = min(
-                (
-                    (_crossing(begin, end, length), number)
-                    for number, (begin, end) in enumerate(ends)
-                ),
-                default=(math.inf, 0),
-            )
+            crossing, which = _first(ends, length)
             if crossing < math.inf:
                 there = Point(expm(rates * crossing) @ state, offset + crossing)
                 return Event(there, passed + crossing, margins[which].event)
@@ -167,10 +149,7 @@ class Motion:
         for number in np.flatnonzero((falls | dips).any(axis=1)):
             sample, inside = divmod(int(number), len(parts))
             length = parts[inside].length
-            crossing, which = min(
-                (_crossing(begin[number, each], end[number, each], length), each)
-                for each in range(len(margins))
-            )
+            crossing, which = _first(zip(begin[number], end[number], strict=True), length)
             if crossing < math.inf:
                 start = trace.inside[inside] @ (trace.powers[sample] @ state)
                 rates = self.system.rates(mode, parts[inside].late)
@@ -192,13 +171,6 @@ class Motion:
         start = trace.inside[inside] @ state
         rates = system.rates(mode, system.parts[inside].late)
         return Point(expm(rates * (left - system.offsets[inside])) @ start, left)
-
-    def _trace(self, mode: Mode, margins: tuple[Margin, ...]) -> _Trace:
-        key = mode, tuple(margin.event for margin in margins)
-        found = self._traces.get(key)
-        if found is None:
-            found = self._traces[key] = self._traced(mode, margins)
-        return found
 
     def _traced(self, mode: Mode, margins: tuple[Margin, ...]) -> _Trace:
         system = self.system
@@ -226,12 +198,17 @@ class Motion:
 
 
 class Turn(NamedTuple):
-    """An event on the way: its time [s], its name, and how and from where it goes on."""
+    """An event on the way: its time [s] and name, how and from where it goes on, and how it came.
+
+    `reached` is the end of a motion in the mode `before`.
+    """
 
     time: float
     event: str
     mode: Mode
     point: Point
+    before: Mode
+    reached: Event
 
 
 def walk(motion: Motion, mode: Mode, point: Point, until: float) -> Iterator[Turn]:
@@ -245,10 +222,11 @@ def walk(motion: Motion, mode: Mode, point: Point, until: float) -> Iterator[Tur
         reached = motion.follow(mode, margins, point, until - passed)
         passed += reached.elapsed
         if reached.event is None:
-            yield Turn(until, "time", mode, reached.point)
+            yield Turn(until, "time", mode, reached.point, mode, reached)
             return
+        before = mode
         mode, point = after(motion.system, mode, reached)
-        yield Turn(passed, reached.event, mode, point)
+        yield Turn(passed, reached.event, mode, point, before, reached)
 
 
 def margins_of(system: System, mode: Mode) -> tuple[Margin, ...]:
@@ -281,9 +259,10 @@ def margins_of(system: System, mode: Mode) -> tuple[Margin, ...]:
     return tuple(margins)
 
 
-def rising_again(system: System, mode: Mode) -> tuple[Margin, ...]:
-    """Return what is left before the table that slows down is at its least speed."""
-    return (Margin("least speed", -mode.table * system.rates(mode, 0)[SPEED]),)
+def extreme(system: System, mode: Mode, *, rising: bool) -> Margin:
+    """Return what is left before the speed of the table is greatest ("peak") or least ("dip")."""
+    acceleration = system.rates(mode, 0)[SPEED]
+    return Margin("peak", acceleration) if rising else Margin("dip", -acceleration)
 
 
 def after(system: System, mode: Mode, reached: Event) -> tuple[Mode, Point]:
@@ -321,6 +300,13 @@ def _late(system: System, offset: float) -> int:
     """Return which commanded force holds at a time after a sample."""
     number = int(np.searchsorted(system.offsets, offset, side="right")) - 1
     return system.parts[min(max(number, 0), len(system.parts) - 1)].late
+
+
+def _first(ends: Iterable[Any], length: float) -> tuple[float, int]:
+    """Return when the first of some margins falls to 0 within a part, or infinity, and which."""
+    crossings = [_crossing(begin, end, length) for begin, end in ends]
+    first = min(crossings, default=math.inf)
+    return first, crossings.index(first) if crossings else 0
 
 
 def _crossing(begin: Vector, end: Vector, length: float) -> float:

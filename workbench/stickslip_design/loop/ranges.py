@@ -5,11 +5,11 @@ from __future__ import annotations
 import math
 from typing import Final
 
-from stickslip_ref import Interval, merged
+from stickslip_ref import STICKS, Interval, merged
 
 from ..axis import Axis
 from ..one_thread import one_thread
-from .courses import Courses
+from .courses import jolted
 from .jumps import beginnings, limit_of_jumps
 
 _RUNG, _RUNGS = 1.25, 12
@@ -21,8 +21,6 @@ _CLOSE: Final = 2e-3
 def jump_ranges(axis: Axis) -> tuple[Interval, ...]:
     """Return the feeds [m/s] at which a servo axis sticks and slips.
 
-    Notes
-    -----
     With constant coefficients, and with growth at rest, there is one range from the slowest feed
     on. Beyond it, and where friction changes with the speed, motions out of a break-away and out of
     a blow are followed: at `_RUNGS` feeds apart by `_RUNG`, or at those of `beginnings`. The upper
@@ -58,16 +56,12 @@ def _scanned(axis: Axis, feeds: list[float], below: float) -> list[Interval]:
 
 def _forms(axis: Axis, feed: float) -> bool:
     """Return whether a motion out of a break-away or a blow at a feed goes on to stick and slip."""
-    courses = Courses(axis, feed)
-    return any(courses.course(begin).kind == "sticks" for begin in ("jumps", "struck"))
+    return any(kind == STICKS for kind in jolted(axis, feed))
 
 
 def _end(axis: Axis, inside: float, outside: float) -> float:
     """Return the feed [m/s] at which a motion no longer sticks, between two."""
     while abs(outside / inside - 1.0) > _CLOSE:
         middle = math.sqrt(inside * outside)
-        if _forms(axis, middle):
-            inside = middle
-        else:
-            outside = middle
+        inside, outside = (middle, outside) if _forms(axis, middle) else (inside, middle)
     return inside

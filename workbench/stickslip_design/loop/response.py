@@ -19,57 +19,43 @@ Complex = NDArray[np.complex128]
 Cut = Literal["force", "position"]
 
 _POINTS: Final = 600
+_NOTHING: Final = 1e-9
+"""A gain that is rounding alone."""
 _LOWEST: Final = 1e-2
 """The lowest frequency, relative to the position gain."""
 
 
 @dataclass(frozen=True)
 class Response:
-    """The open loop, cut at one place.
-
-    Attributes
-    ----------
-    cut
-        "force": where the motor's force is commanded; "position": at the position error.
-    sliding
-        Whether the table slides, or is stuck.
-    frequency
-        [Hz], rising, up to half the sampling.
-    gain
-        Of the open loop, complex [-]; the loop closes with its negative.
-    gain_margin, phase_margin
-        The smallest factor on the gain, above 1, at which the closed loop is at its limit, and the
-        smallest lag that brings it there [rad]; infinite without one.
-    gain_margin_at, phase_margin_at
-        Their frequencies [Hz]; NaN without one.
-    delay_margin
-        The shortest dead time that brings it there [s]; infinite without one.
-    """
+    """The open loop, cut at one place."""
 
     cut: Cut
+    """"force": where the motor's force is commanded; "position": at the position error."""
     sliding: bool
+    """Whether the table slides, or is stuck."""
     frequency: Vector
+    """[Hz], rising, up to half the sampling."""
     gain: Complex
+    """Of the open loop, complex [-]; the loop closes with its negative."""
     gain_margin: float
     phase_margin: float
+    """The smallest factor on the gain, above 1, at which the closed loop is at its limit, and the
+    smallest lag that brings it there [rad]; infinite without one."""
     gain_margin_at: float
     phase_margin_at: float
+    """Their frequencies [Hz]; NaN without one."""
     delay_margin: float
+    """The shortest dead time that brings it there [s]; infinite without one."""
+
+    @property
+    def passes(self) -> bool:
+        """Whether anything passes the open loop: no motion of a table that is stuck."""
+        return float(np.abs(self.gain).max()) > _NOTHING
 
 
 @one_thread
 def open_loop(axis: Axis, cut: Cut, *, sliding: bool = True) -> Response:
-    """Return the frequency response of an open loop of a servo axis.
-
-    Parameters
-    ----------
-    axis
-        An axis with a drive.
-    cut
-        Where the loop is open.
-    sliding
-        With the table sliding in one direction, or stuck.
-    """
+    """Return the open loop of a servo axis, its table sliding in one direction or stuck."""
     system = System(axis)
     drive = system.drive
     step, into, out = _opened(system, cut, system.sliding if sliding else Mode(0, 1))
@@ -82,15 +68,15 @@ def open_loop(axis: Axis, cut: Cut, *, sliding: bool = True) -> Response:
 
     values = np.array([gain(float(f)) for f in frequency])
     turned = np.flatnonzero((values.imag[:-1] * values.imag[1:] < 0.0) & (values.real[:-1] < 0.0))
-    crossings = [_root(lambda f: gain(f).imag, frequency, int(each)) for each in turned]
+    crossings = _roots(lambda f: gain(f).imag, frequency, turned)
     factors = [(-1.0 / gain(f).real, f) for f in crossings if gain(f).real < 0.0]
     size = np.abs(values)
     passed = np.flatnonzero((size[:-1] - 1.0) * (size[1:] - 1.0) < 0.0)
-    unit = [_root(lambda f: abs(gain(f)) - 1.0, frequency, int(each)) for each in passed]
+    unit = _roots(lambda f: abs(gain(f)) - 1.0, frequency, passed)
     lags = [((math.pi + np.angle(gain(f))) % (2.0 * math.pi), f) for f in unit]
     delays = [lag / (2.0 * math.pi * f) for lag, f in lags]
     none = (math.inf, math.nan)
-    gain_margin = min((each for each in factors if each[0] > 1.0), default=none)
+    gain_margin = min((factor for factor in factors if factor[0] > 1.0), default=none)
     phase_margin = min(lags, default=none)
     return Response(
         cut, sliding, frequency, values,
@@ -114,9 +100,9 @@ def _opened(system: System, cut: Cut, mode: Mode) -> tuple[NDArray[np.float64], 
         control[layout.commands] = 0.0
         into = after[:, layout.commands]
     else:
-        out = np.zeros(layout.size)
-        out[TABLE if drive.on_table else MOTOR] = -1.0
         place = TABLE if drive.on_table else MOTOR
+        out = np.zeros(layout.size)
+        out[place] = -1.0
         # What the error does in the controller is what the command does.
         by_error = control[:, layout.command].copy()
         by_error[layout.command] = 0.0
@@ -126,5 +112,6 @@ def _opened(system: System, cut: Cut, mode: Mode) -> tuple[NDArray[np.float64], 
     return step, into[moving], out[moving]
 
 
-def _root(f: Callable[[float], float], frequency: Vector, place: int) -> float:
-    return float(brentq(f, frequency[place], frequency[place + 1], rtol=1e-12))
+def _roots(f: Callable[[float], float], at: Vector, places: NDArray[np.intp]) -> list[float]:
+    """Return the roots of a function between some of the frequencies and the next ones."""
+    return [float(brentq(f, at[place], at[place + 1], rtol=1e-12)) for place in places]

@@ -21,19 +21,10 @@ _MOST: Final = 40
 
 
 class Start:
-    """Starts of a servo axis from rest, the spring relaxed, with an acceleration.
-
-    Parameters
-    ----------
-    axis
-        An axis with a drive.
-    acceleration
-        Of the set point [m/s2], above 0.
-    """
+    """Starts of a servo axis from rest, the spring relaxed, with an acceleration [m/s2] above 0."""
 
     def __init__(self, axis: Axis, acceleration: float) -> None:
-        self._axis = axis
-        self._acceleration = acceleration
+        self._axis, self._acceleration = axis, acceleration
         self._motion = Motion(System(axis))
 
     @one_thread

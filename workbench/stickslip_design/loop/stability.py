@@ -33,18 +33,12 @@ _ROUNDING: Final = 1e-9
 
 
 class Swing(NamedTuple):
-    """A motion of a loop that swings.
-
-    Attributes
-    ----------
-    damping
-        Damping ratio [-]; below 0 it grows.
-    w
-        Undamped frequency [rad/s].
-    """
+    """A motion of a loop that swings."""
 
     damping: float
+    """Damping ratio [-]; below 0 it grows."""
     w: float
+    """Undamped frequency [rad/s]."""
 
     @property
     def frequency(self) -> float:
@@ -53,36 +47,20 @@ class Swing(NamedTuple):
 
 
 class GainLimits(NamedTuple):
-    """Up to which gains the loop is stable, its table sliding or stuck; infinite if none was found.
-
-    Attributes
-    ----------
-    K_v
-        Position gain [1/s], the velocity loop held.
-    bandwidth
-        Bandwidth of the velocity loop [rad/s], its integral time times the bandwidth held, and the
-        position gain.
-    """
+    """Limits of the gains for a stable loop, its table sliding or stuck; infinite if not found."""
 
     K_v: float
+    """Position gain [1/s], the velocity loop held."""
     bandwidth: float
+    """Bandwidth of the velocity loop [rad/s], its integral time times the bandwidth held, and the
+    position gain."""
 
 
 @one_thread
 def swing(axis: Axis, *, sliding: bool = True, line: Line | None = None) -> Swing:
-    """Return the least damped swing of a servo axis.
+    """Return the least damped swing of a servo axis, its table sliding in one direction or stuck.
 
-    Parameters
-    ----------
-    axis
-        An axis with a drive.
-    sliding
-        With the table sliding in one direction, or stuck.
-    line
-        The friction about the feed; else that of a fast table, which no longer falls.
-
-    Notes
-    -----
+    `line` is the friction about the feed; else that of a fast table, which no longer falls.
     An eigenvalue z from sample to sample is a motion exp(s t) with s = ln(z)/T_s. Without a swing:
     damping infinite, frequency 0. What grows without a swing has the damping -1.
     """
@@ -90,8 +68,8 @@ def swing(axis: Axis, *, sliding: bool = True, line: Line | None = None) -> Swin
     z = _eigenvalues(system, system.sliding if sliding else _STUCK)
     s = np.log(z[(z.imag > 0.0) | ((z.imag == 0.0) & (np.abs(z) > 1.0 + _ROUNDING))])
     s /= system.drive.T_s
-    found = [Swing(float(-each.real / abs(each)), float(abs(each))) for each in s]
-    return min(found, default=Swing(math.inf, 0.0))
+    swings = [Swing(float(-root.real / abs(root)), float(abs(root))) for root in s]
+    return min(swings, default=Swing(math.inf, 0.0))
 
 
 @one_thread
@@ -108,9 +86,8 @@ def unstable_feeds(axis: Axis) -> tuple[Interval, ...]:
 
     lines = lines_of(axis)
     if axis.friction.is_curve:
-        bands = [(line.low, line.high) for line in lines]
-        found = [band for band, line in zip(bands, lines, strict=True) if _grows(axis, line)]
-        return merged([Interval(*band, EIGENVALUE, EIGENVALUE) for band in found])
+        grows = [line for line in lines if swing(axis, line=line).damping < 0.0]
+        return merged([_unstable(line.low, line.high) for line in grows])
     feeds = np.geomspace(_SLOWEST * lines[1].low, lines[-1].low, _FEEDS)
     values = [damping(feed) for feed in feeds]
     ends = [
@@ -120,14 +97,11 @@ def unstable_feeds(axis: Axis) -> tuple[Interval, ...]:
     ]
     if values[0] < 0.0:
         ends.insert(0, 0.0)
-    return tuple(
-        Interval(low, high, EIGENVALUE, EIGENVALUE)
-        for low, high in zip(ends[::2], ends[1::2], strict=True)
-    )
+    return tuple(_unstable(low, high) for low, high in zip(ends[::2], ends[1::2], strict=True))
 
 
-def _grows(axis: Axis, line: Line) -> bool:
-    return swing(axis, line=line).damping < 0.0
+def _unstable(low: float, high: float) -> Interval:
+    return Interval(low, high, EIGENVALUE, EIGENVALUE)
 
 
 @one_thread

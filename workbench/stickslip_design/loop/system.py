@@ -72,14 +72,9 @@ class Layout(NamedTuple):
 
 
 class System:
-    """The linear systems of a servo axis.
+    """The linear systems of a servo axis; ValueError if it has no drive.
 
-    Parameters
-    ----------
-    axis
-        An axis with a drive. A smooth fall of its friction is taken as straight lines.
-    lines
-        Its friction in slip, where it is not that of the axis.
+    A smooth fall of its friction is taken as straight lines.
 
     Attributes
     ----------
@@ -100,11 +95,6 @@ class System:
         rests: each lacks its force times exp(-rate t).
     fully
         What static friction grows to [N].
-
-    Raises
-    ------
-    ValueError
-        If the axis has no drive.
     """
 
     def __init__(self, axis: Axis, lines: tuple[Line, ...] | None = None) -> None:
@@ -152,8 +142,8 @@ class System:
         state[FORCE] = motor if drive.lag > 0.0 else 0.0
         state[INTEGRAL] = motor - drive.friction_feedforward
         state[layout.commands : layout.filters] = motor
-        for number, each in enumerate(drive.filters):
-            b0, _, b2, _, a2 = each.coefficients(drive.T_s)
+        for number, of_force in enumerate(drive.filters):
+            b0, _, b2, _, a2 = of_force.coefficients(drive.T_s)
             state[layout.filters + 2 * number] = (1.0 - b0) * motor
             state[layout.filters + 2 * number + 1] = (b2 - a2) * motor
         state[LAST] = -feed * drive.T_s
@@ -162,18 +152,16 @@ class System:
 
     def rates(self, mode: Mode, late: int) -> Matrix:
         """Return the matrix of d state/dt under the `late`-th last commanded force."""
-        found = self._rates.get((mode, late))
-        if found is None:
-            found = self._rates[mode, late] = self._differentiated(mode, late)
-        return found
+        if (mode, late) not in self._rates:
+            self._rates[mode, late] = self._differentiated(mode, late)
+        return self._rates[mode, late]
 
     def steps(self, mode: Mode) -> list[Matrix]:
         """Return what each part of a sample makes of the state."""
-        found = self._steps.get(mode)
-        if found is None:
-            found = [expm(self.rates(mode, part.late) * part.length) for part in self.parts]
-            self._steps[mode] = found
-        return found
+        if mode not in self._steps:
+            steps = [expm(self.rates(mode, part.late) * part.length) for part in self.parts]
+            self._steps[mode] = steps
+        return self._steps[mode]
 
     def from_sample_to_sample(self, mode: Mode) -> Matrix:
         """Return what a sample with its controller makes of the state just before it."""
@@ -251,8 +239,8 @@ class System:
             # The place is not in use.
             control[FORCE] = 0.0
         force = wanted
-        for number, each in enumerate(drive.filters):
-            b0, b1, b2, a1, a2 = each.coefficients(drive.T_s)
+        for number, of_force in enumerate(drive.filters):
+            b0, b1, b2, a1, a2 = of_force.coefficients(drive.T_s)
             first = layout.filters + 2 * number
             out = b0 * force + unit[first]
             control[first] = b1 * force - a1 * out + unit[first + 1]

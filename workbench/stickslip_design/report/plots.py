@@ -25,7 +25,7 @@ from stickslip_verification.report.svg import BLUE, INK, ORANGE, STYLE
 from ..loop.response import Cut, Response
 from ..shown import EXACT, number, shown_in
 from ..verdict import Verdict
-from .tables import CUTS, MOTIONS, Motion, Range, motions, passes
+from .tables import CUTS, MOTIONS, Motion, Range, motions
 
 WIDE: Final = 7.0
 NARROW: Final = 3.5
@@ -72,18 +72,8 @@ _LOOKS: Final = {True: (BLUE, "-", "table sliding"), False: (ORANGE, (0, (5, 2))
 def feeds(verdict: Verdict, width: float = WIDE) -> Figure | None:
     """Draw over the feed where the axis jumps, where it depends on the start, where it is even.
 
-    Parameters
-    ----------
-    verdict
-        The verdict.
-    width
-        Of the picture [in].
-
-    Returns
-    -------
-    matplotlib.figure.Figure or None
-        A bar over the feed [mm/s]: above it the feeds that were asked for, below it the limits.
-        None where the loop is unstable, or there is neither a feed nor a limit to draw.
+    A bar over the feed [mm/s], `width` [in]: above it the feeds that were asked for, below it the
+    limits. None where the loop is unstable, or there is neither a feed nor a limit to draw.
     """
     found = motions(verdict)
     asked = [point.feed * _MM for point in verdict.points]
@@ -115,7 +105,10 @@ def feeds(verdict: Verdict, width: float = WIDE) -> Figure | None:
         )
         on.set_ylim(-below, _BAR + above)
         _feed_axis(on, low, high)
-        _bar(on, found, low, high)
+        for feeds_of in found:
+            begin, end = max(feeds_of.low * _MM, low), min(feeds_of.high * _MM, high)
+            if end > begin:
+                on.fill_between([begin, end], 0.0, _BAR, **_look(feeds_of.motion))
         if spread:
             on.plot(spread, [0.5 * _BAR] * 2, color="white", lw=4.0, solid_capstyle="butt")
             on.plot(spread, [0.5 * _BAR] * 2, color=INK, lw=1.4, marker="|", ms=9.0, mew=1.4)
@@ -138,18 +131,8 @@ def feeds(verdict: Verdict, width: float = WIDE) -> Figure | None:
 def before_and_after(verdict: Verdict, width: float = WIDE) -> Figure | None:
     """Draw the table's motion after a break-away, as the axis is and with the smallest change.
 
-    Parameters
-    ----------
-    verdict
-        The verdict.
-    width
-        Of the picture [in].
-
-    Returns
-    -------
-    matplotlib.figure.Figure or None
-        How far the table is ahead of an even motion [um] over the time [ms]; None where nothing
-        judders, or nothing cures it.
+    How far it is ahead of an even motion [um] over the time [ms]; None where nothing judders, or
+    nothing cures it.
     """
     if verdict.before is None or verdict.after is None:
         return None
@@ -177,22 +160,10 @@ def before_and_after(verdict: Verdict, width: float = WIDE) -> Figure | None:
 def responses(verdict: Verdict, cut: Cut, width: float = NARROW) -> Figure | None:
     """Draw the open loops of one cut over the frequency, the table sliding and stuck.
 
-    Parameters
-    ----------
-    verdict
-        The verdict.
-    cut
-        Where the loop is open: "force" or "position".
-    width
-        Of the picture [in].
-
-    Returns
-    -------
-    matplotlib.figure.Figure or None
-        Gain [dB] and phase [degrees] over the frequency [Hz], with a ring where each margin of a
-        stable loop is read. None where there is no such loop.
+    Gain [dB] and phase [degrees] over the frequency [Hz], with a ring where each margin of a stable
+    loop is read. None where there is no such loop.
     """
-    found = [each for each in verdict.responses if each.cut == cut and passes(each)]
+    found = [each for each in verdict.responses if each.cut == cut and each.passes]
     if not found:
         return None
     with mpl.rc_context(STYLE):
@@ -245,13 +216,6 @@ def _rows(places: Sequence[float], low: float, scale: float) -> list[int]:
     return rows
 
 
-def _bar(on: Axes, found: Sequence[Range], low: float, high: float) -> None:
-    for each in found:
-        begin, end = max(each.low * _MM, low), min(each.high * _MM, high)
-        if end > begin:
-            on.fill_between([begin, end], 0.0, _BAR, **_look(each.motion))
-
-
 def _limit(on: Axes, at: float, name: str, bottom: float, right: bool, inner: float) -> None:
     """Draw a limit down to its name, which stands on its right or left, as there is room."""
     low, high = on.get_xlim()
@@ -275,11 +239,8 @@ def _handles(found: Sequence[Range], *, spread: bool) -> list[Patch | Line2D]:
         Patch(label=MOTIONS[each.motion], **_look(each.motion)) for each in found
     ]
     if spread:
-        shown.append(
-            Line2D(
-                [], [], color=INK, lw=1.4, marker="|", ms=7.0, mew=1.4, label="critical within ±"
-            )
-        )
+        look: Any = {"color": INK, "lw": 1.4, "marker": "|", "ms": 7.0, "mew": 1.4}
+        shown.append(Line2D([], [], label="critical within ±", **look))
     return shown
 
 

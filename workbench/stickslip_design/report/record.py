@@ -26,49 +26,34 @@ ABOUT: Final = (
 
 UNITS: Final = {
     **{key.symbol: key.units[0] for key in KEYS.values() if key.units and key.symbol},
-    "feed": "m/s",
-    "margin": "1",
-    "jump": "m",
-    "frequency": "Hz",
-    "speed": "m/s",
-    "amplitude": "1",
-    "settling": "s",
-    "low": "m/s",
-    "high": "m/s",
-    "simplified_jump": "m",
-    "simplified_frequency": "Hz",
-    "critical_feed": "m/s",
-    "critical_range": "m/s",
-    "rigid_critical_feed": "m/s",
-    "estimated_critical_feed": "m/s",
-    "simplified_critical_feed": "m/s",
-    "from_rest": "m/s; of a regime the motion that a start from rest reaches",
-    "damping": "1",
-    "w": "rad/s",
-    "period": "s",
-    "real": "1",
-    "imag": "1",
-    "gain_margin": "1",
-    "gain_margin_at": "Hz",
-    "phase_margin": "rad",
-    "phase_margin_at": "Hz",
-    "delay_margin": "s",
-    "time": "s",
-    "ahead": "m",
-    "effort": "1",
-    "now": "that of `unit` beside it",
-    "then": "that of `unit` beside it",
-    "F_s": "N",
-    "F_k": "N",
-    "stiffest": "N/m",
-    "spread": "SI, as the number that it belongs to",
-    "own": "SI, as the parameters of the friction law",
-    "depth": "1",
+    **{
+        key: unit
+        for unit, keys in {
+            "m/s": "feed speed low high critical_feed critical_range rigid_critical_feed "
+            "estimated_critical_feed simplified_critical_feed",
+            "m/s; of a regime the motion that a start from rest reaches": "from_rest",
+            "m": "jump simplified_jump ahead",
+            "s": "settling period delay_margin time",
+            "Hz": "frequency simplified_frequency gain_margin_at phase_margin_at",
+            "rad/s": "w",
+            "rad": "phase_margin",
+            "1": "margin amplitude damping real imag gain_margin effort depth",
+            "N": "F_s F_k",
+            "N/m": "stiffest",
+            "that of `unit` beside it": "now then",
+            "SI, as the number that it belongs to": "spread",
+            "SI, as the parameters of the friction law": "own",
+        }.items()
+        for key in keys.split()
+    },
 }
 """The unit of every number, by its key."""
 
-
-_OF_POINT: Final = ("feed", "jumps", "judders", "jump", "frequency")
+_SHOWN: Final[dict[type, tuple[str, ...]]] = {
+    Swing: ("frequency",),
+    OperatingPoint: ("feed", "jumps", "judders", "jump", "frequency"),
+}
+"""Properties that stand beside the fields of a result."""
 
 
 def data(verdict: Verdict) -> dict[str, Any]:
@@ -78,9 +63,8 @@ def data(verdict: Verdict) -> dict[str, Any]:
     ``units`` by key. Infinity is the text ``"Infinity"``, what is not a number null. A complex
     gain is two lists, ``real`` and ``imag``.
     """
-    axis = {"F_s": verdict.axis.F_s, "F_k": verdict.axis.F_k}
     found: dict[str, Any] = plain(verdict)
-    found["axis"] |= plain(axis)
+    found["axis"] |= plain({"F_s": verdict.axis.F_s, "F_k": verdict.axis.F_k})
     return {
         "format": FORMAT,
         "version": VERSION,
@@ -93,33 +77,18 @@ def data(verdict: Verdict) -> dict[str, Any]:
 
 def plain(value: Any) -> Any:
     """Return a result as what JSON knows, as of `data`."""
-    if isinstance(value, Swing):
-        return plain({**value._asdict(), "frequency": value.frequency})
-    if isinstance(value, OperatingPoint):
-        shown = {name: getattr(value, name) for name in _OF_POINT}
-        return {**plain({each.name: getattr(value, each.name) for each in fields(value)}), **shown}
-    if is_dataclass(value) and not isinstance(value, type):
-        return {each.name: plain(getattr(value, each.name)) for each in fields(value)}
-    if hasattr(value, "_asdict"):
-        return plain(value._asdict())
+    if is_dataclass(value) or hasattr(value, "_asdict"):
+        names = [of.name for of in fields(value)] if is_dataclass(value) else value._fields
+        names = (*names, *_SHOWN.get(type(value), ()))
+        return {name: plain(getattr(value, name)) for name in names}
     if isinstance(value, Mapping):
-        return {str(key): plain(each) for key, each in value.items()}
-    if isinstance(value, np.ndarray):
+        return {str(key): plain(part) for key, part in value.items()}
+    if isinstance(value, np.ndarray | np.generic):
         if np.iscomplexobj(value):
             return {"real": plain(value.real), "imag": plain(value.imag)}
-        return [plain(each) for each in value.tolist()]
+        return plain(value.tolist())
     if isinstance(value, tuple | list):
-        return [plain(each) for each in value]
-    if isinstance(value, np.generic):
-        return plain(value.item())
-    if isinstance(value, float):
-        return _number(value)
-    return value
-
-
-def _number(value: float) -> float | str | None:
-    if math.isnan(value):
-        return None
-    if math.isinf(value):
-        return "Infinity" if value > 0.0 else "-Infinity"
+        return [plain(part) for part in value]
+    if isinstance(value, float) and not math.isfinite(value):
+        return None if math.isnan(value) else "Infinity" if value > 0.0 else "-Infinity"
     return value

@@ -4,14 +4,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any, Final, Literal, NamedTuple
 
-import numpy as np
-
 from ..axis import Axis, Filter
-from ..loop.response import Cut, Response
+from ..loop.response import Cut
 from ..shown import EXACT, NONE, decibels, number, per_minute, shown_in, told
 from ..verdict import AxisCure, Verdict
 from ..words import ranges_in_words
@@ -27,9 +24,6 @@ MOTIONS: Final[dict[Motion, str]] = {
 }
 CUTS: Final[dict[Cut, str]] = {"force": "at the motor's force", "position": "at the position error"}
 """Where a loop is open, in words."""
-
-_NOTHING: Final = 1e-9
-"""A gain that is rounding alone."""
 
 
 class Standing(NamedTuple):
@@ -47,19 +41,8 @@ class Range(NamedTuple):
     motion: Motion
 
 
-@dataclass(frozen=True)
-class Grid:
-    """A table of texts.
-
-    Attributes
-    ----------
-    head
-        Headings of the columns, with the unit where a column is of numbers.
-    rows
-        Cells; the first of a row names it.
-    numbers
-        Columns of numbers, which stand at the right.
-    """
+class Grid(NamedTuple):
+    """A table of texts; the first cell of a row names it, columns of `numbers` stand right."""
 
     head: Sequence[str]
     rows: Sequence[Sequence[str]]
@@ -76,10 +59,8 @@ def standing(verdict: Verdict) -> Standing:
     if jumping and all(point.after_start is False for point in jumping):
         return Standing("depends on the start", "warn")
     if jumping:
-        allowed = verdict.axis.demand.largest_jump
-        if allowed is not None and all(
-            point.jump is not None and point.jump <= allowed for point in jumping
-        ):
+        allowed = verdict.axis.demand.largest_jump or 0.0
+        if all(point.jump is not None and point.jump <= allowed for point in jumping):
             return Standing("jumps within the limit", "warn")
         return Standing("judders", "bad")
     if not verdict.points and verdict.critical_feed > 0.0:
@@ -115,12 +96,10 @@ def motions(verdict: Verdict) -> tuple[Range, ...]:
 
 def critical(verdict: Verdict) -> str:
     """Return the critical feed in words, with its range where it has one."""
-    limit = verdict.critical_feed
+    limit, unstable = verdict.critical_feed, verdict.unstable
     if not verdict.stable or math.isnan(limit):
         return "none: the loop is unstable"
-    swings = ""
-    if verdict.unstable:
-        swings = f"; even motion is unstable {ranges_in_words(verdict.unstable)}"
+    swings = f"; even motion is unstable {ranges_in_words(unstable)}" if unstable else ""
     if limit == 0.0:
         return f"none: the axis never jumps{swings}"
     if math.isinf(limit):
@@ -246,11 +225,6 @@ def _borne(now: float, limit: float, unit: str) -> str:
     return f"{told(limit, unit)}; now {told(now, unit, EXACT)}, {apart} dB {side}"
 
 
-def passes(response: Response) -> bool:
-    """Return whether anything passes an open loop: no motion of a table that is stuck."""
-    return float(np.abs(response.gain).max()) > _NOTHING
-
-
 def margins(verdict: Verdict) -> Grid:
     """Return gain and phase margin of each open loop; an unstable one has none."""
     return Grid(
@@ -259,8 +233,8 @@ def margins(verdict: Verdict) -> Grid:
             (
                 CUTS[each.cut],
                 "sliding" if each.sliding else "stuck",
-                decibels(each.gain_margin) if passes(each) else NONE,
-                shown_in(each.phase_margin, "rad") if passes(each) else NONE,
+                decibels(each.gain_margin) if each.passes else NONE,
+                shown_in(each.phase_margin, "rad") if each.passes else NONE,
             )
             for each in verdict.responses
             if verdict.stable
@@ -377,8 +351,8 @@ def _numbers(axis: Axis) -> Iterator[tuple[str, str, str]]:
         yield "drive", "rigid", ""
     else:
         yield "position is measured", "on the table" if axis.drive.on_table else "on the motor", ""
-        for each in axis.drive.filters:
-            yield "filter of the motor's force", _filter(each), ""
+        for of_force in axis.drive.filters:
+            yield "filter of the motor's force", _filter(of_force), ""
     for name, width in spread.items():
         yield name, "", f"{number(width, EXACT)} (SI)"
 
