@@ -232,8 +232,7 @@ def extract(quantity: str, record: Run, start: Mapping[str, float]) -> Series:
     if missing:
         raise LackingError(f"no output {', '.join(missing)}")
     for name in needs:
-        count = record.outputs[name].size
-        if count != record.times.size:
+        if (count := record.outputs[name].size) != record.times.size:
             raise CheckError(f"{count} samples of {name} at {record.times.size} points")
     return QUANTITIES[quantity].compute(record.outputs, start)
 
@@ -277,7 +276,7 @@ def judge_sequence(
         return replace(empty, failure=reason)
     lacking = [name for name in OUTPUT_NAMES if name not in record.outputs]
     results = []
-    for name in [name for name in OUTPUT_NAMES if name in record.outputs]:
+    for name in filter(record.outputs.__contains__, OUTPUT_NAMES):
         try:
             extract(name, record, exact.start)
         except CheckError as error:
@@ -485,11 +484,8 @@ def same_run(empty: CheckResult, plain: Run, other: Run, band: Band) -> CheckRes
 
 
 def _with_start(record: Run) -> dict[str, Series]:
-    return {
-        name: np.concatenate(([record.initial[name]], record.outputs[name]))
-        for name in OUTPUT_NAMES
-        if name in record.outputs
-    }
+    names = filter(record.outputs.__contains__, OUTPUT_NAMES)
+    return {name: np.append(record.initial[name], record.outputs[name]) for name in names}
 
 
 def _same_motion(

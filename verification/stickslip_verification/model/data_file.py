@@ -10,7 +10,7 @@ import tomllib
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import dataclass, fields, is_dataclass
-from functools import cache, cached_property
+from functools import cache, lru_cache
 from itertools import product
 from pathlib import Path
 from typing import IO, Annotated, Any, ClassVar, Self, TypeVar
@@ -248,35 +248,26 @@ class DataFile:
             named = (*named, part)
             name += f"[{part}]" if isinstance(part, int) else f".{part}" if name else part
             data = data.get(part) if isinstance(data, dict) else None
-        line = self._lines.of(named)
+        line = line_of(self._text, named)
         return ", ".join(filter(None, (f"line {line}" if line else "", name)))
 
-    @cached_property
-    def _lines(self) -> "Lines":
-        return Lines(self._text)
+
+def line_of(text: str, place: Place) -> int:
+    """Return the line of a field of a TOML text, else of what it stands in; 0 without either."""
+    places = [place[:n] for n in range(len(place), 0, -1)]
+    beginnings = _beginnings(text)
+    return next((n for of in places for n, data in beginnings.items() if _has(data, of)), 0)
 
 
-class Lines:
-    """Where the fields of a TOML text stand."""
-
-    def __init__(self, text: str) -> None:
-        self._text = text
-
-    def of(self, place: Place) -> int:
-        """Return the line of a field, else of what it stands in; 0 where the text has neither."""
-        places = [place[:n] for n in range(len(place), 0, -1)]
-        found = (n for each in places for n, data in self._beginnings.items() if _has(data, each))
-        return next(found, 0)
-
-    @cached_property
-    def _beginnings(self) -> Mapping[int, Any]:
-        """What the first lines of the text say, by their number; what they leave open is closed."""
-        lines = self._text.splitlines()
-        beginnings: dict[int, Any] = {}
-        for n, end in product(range(1, len(lines) + 1), ("", "]", '"""', "'''")):
-            with suppress(tomllib.TOMLDecodeError):
-                beginnings.setdefault(n, tomllib.loads("\n".join((*lines[:n], end))))
-        return beginnings
+@lru_cache(1)
+def _beginnings(text: str) -> Mapping[int, Any]:
+    """Return what the first lines of a text say, by number; what they leave open is closed."""
+    lines = text.splitlines()
+    beginnings: dict[int, Any] = {}
+    for n, end in product(range(1, len(lines) + 1), ("", "]", '"""', "'''")):
+        with suppress(tomllib.TOMLDecodeError):
+            beginnings.setdefault(n, tomllib.loads("\n".join((*lines[:n], end))))
+    return beginnings
 
 
 def _has(data: Any, place: Place) -> bool:

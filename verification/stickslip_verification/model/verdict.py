@@ -242,14 +242,16 @@ class Verdict:
     @property
     def cases(self) -> list[str]:
         """Ids of the cases, random sequences and the FMU as a whole left out, as they ran."""
-        named = dict.fromkeys(result.case for result in self.checks)
-        return [case for case in named if case and not case.startswith(SEQUENCE)]
+        return [case for case in self._places if case and not case.startswith(SEQUENCE)]
 
     @property
     def sequences(self) -> list[str]:
         """Ids of the random sequences, as they ran."""
-        named = dict.fromkeys(result.case for result in self.checks)
-        return [case for case in named if case.startswith(SEQUENCE)]
+        return [case for case in self._places if case.startswith(SEQUENCE)]
+
+    @property
+    def _places(self) -> dict[str, None]:
+        return dict.fromkeys(result.case for result in self.checks)
 
     @property
     def proven(self) -> bool:

@@ -16,15 +16,7 @@ import numpy as np
 
 from stickslip_verification.drive.solvers import SHARES, SOLVERS, Acceleration, Slider, Solver
 from stickslip_verification.drive.workers import NOT_MADE
-from stickslip_verification.judge.accuracy import (
-    LARGE,
-    LEAST,
-    STANDS_OUT,
-    Matched,
-    WrongParameter,
-    large_offset,
-    wrong_parameter,
-)
+from stickslip_verification.judge import accuracy
 from stickslip_verification.model.run import Run, Series
 from stickslip_verification.model.verdict import (
     LIKELIEST,
@@ -316,12 +308,12 @@ def questions(
     rulers = {case: plain.ruler for case, plain in solved.plain.items()}
     plain = {case: of.run for case, of in solved.plain.items()}
     middle = float(np.median([of.motion.delta for of in solved.plain.values()] or [0.0]))
-    wrong = wrong_parameter(rulers, plain, changes)
+    wrong = accuracy.wrong_parameter(rulers, plain, changes)
     # So near to the exact motion an FMU has no parameter that is so far off.
-    if wrong is None and middle > LARGE / STANDS_OUT:
+    if wrong is None and middle > accuracy.LARGE / accuracy.STANDS_OUT:
         cases = [of.case for of in solved.plain.values()]
-        wrong = large_offset(rulers, plain, cases, changes)
-    if wrong is not None and abs(wrong.part) <= max(LEAST * STANDS_OUT, 1e-9):
+        wrong = accuracy.large_offset(rulers, plain, cases, changes)
+    if wrong is not None and abs(wrong.part) <= max(accuracy.LEAST * accuracy.STANDS_OUT, 1e-9):
         # It is no more than the error of the solver.
         wrong = None
     failed = [each for each in results if each.failed]
@@ -357,7 +349,10 @@ def questions(
 
 
 def _model(
-    solved: Solution, failed: Sequence[CheckResult], wrong: WrongParameter | None, off: float
+    solved: Solution,
+    failed: Sequence[CheckResult],
+    wrong: accuracy.WrongParameter | None,
+    off: float,
 ) -> str:
     count = len(solved.plain)
     tried = f"{count} cases" if count != 1 else "1 case"
@@ -441,7 +436,7 @@ def _accuracy(
     errors: Sequence[Errors],
     within: float,
     middle: float,
-    wrong: WrongParameter | None,
+    wrong: accuracy.WrongParameter | None,
 ) -> str:
     if not errors:
         return "Nothing is known of its accuracy: no cycle was compared."
@@ -464,11 +459,12 @@ def _accuracy(
         asked = f"not {asked} in {', '.join(outside)}{advice}"
     return (
         f"It is as accurate as {_class(solved.like, middle)}: {', '.join(said)}; {asked}. A fault "
-        f"could hide in that which moves the motion like data off by {STANDS_OUT * middle:.0e}."
+        "could hide in that which moves the motion like data off by "
+        f"{accuracy.STANDS_OUT * middle:.0e}."
     )
 
 
-def _class(like: Matched, middle: float) -> str:
+def _class(like: accuracy.Matched, middle: float) -> str:
     if middle < _EXACT:
         return "the exact motion, to rounding"
     name, factor = as_large(like)

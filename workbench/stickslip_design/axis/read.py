@@ -156,11 +156,11 @@ def _unread(error: OSError) -> str:
 def _line_of(text: str, path: str) -> int:
     """Return the line of a name, else of what it stands in, else the last one."""
     # It brings pydantic, which a refusal alone needs.
-    from stickslip_verification.model.data_file import Lines
+    from stickslip_verification.model.data_file import line_of
 
     parts = re.findall(r"[^.\[\]]+", path)
     place = [int(part) - 1 if part.isdigit() else part for part in parts]
-    return Lines(text).of(place) or max(1, len(text.splitlines()))
+    return line_of(text, place) or max(1, len(text.splitlines()))
 
 
 def _not_toml(error: tomllib.TOMLDecodeError, name: str, text: str) -> AxisError:

@@ -14,20 +14,11 @@ from typing import Any
 
 import numpy as np
 
+from stickslip_verification.drive import masters
 from stickslip_verification.drive.fmu.description import FmuError
 from stickslip_verification.drive.fmu.instance import FmuFile, FmuInstance, available
 from stickslip_verification.drive.fmu.names import UNITS
-from stickslip_verification.drive.masters import (
-    CommunicationStep,
-    Master,
-    NotApplicableError,
-    Setting,
-    defaults,
-    lacking,
-    need,
-    need_changeable,
-    need_instances,
-)
+from stickslip_verification.drive.masters import NotApplicableError, defaults, lacking, need
 from stickslip_verification.model import formulas
 from stickslip_verification.model.quantities import OUTPUT_NAMES, QUANTITIES
 from stickslip_verification.truth.parameters import START_VALUES, complete
@@ -106,7 +97,7 @@ def check_playable(fmu: FmuFile, calls: Iterable[Call]) -> None:
         running = running or "start" in call
         values = call.get("set", {})
         need(fmu, lacking(fmu, values))
-        need_changeable(fmu, values if running else ())
+        masters.need_changeable(fmu, values if running else ())
 
 
 def same_motion(
@@ -125,7 +116,7 @@ def same_motion(
     """
     check_playable(fmu, chain(calls, then))
     check_playable(fmu, chain(like, then))
-    need_instances(fmu)
+    masters.need_instances(fmu)
     other, expected = played(fmu, like, then)
     with calling(fmu, ()) as caller:
         try:
@@ -175,7 +166,7 @@ def steps_onto_restick(
     """
     check_playable(fmu, chain(calls, then))
     need(fmu, ["t_slip"])
-    need_instances(fmu)
+    masters.need_instances(fmu)
     _, (row,) = played(fmu, calls, [{"step": over}])
     t_slip = row["t_slip"]
     first, *others = then
@@ -230,7 +221,8 @@ def keeps_its_cycle(
     name = "x" if fmu.has("x") else "F"
     end, last_call = time.process_time() + seconds, time.monotonic() + 2.0 * seconds
     start = {name: value for name, value in values.items() if fmu.has(name)}
-    master = Master(fmu, Setting(start, [CommunicationStep(step, {})] * count))
+    steps = [masters.CommunicationStep(step, {})] * count
+    master = masters.Master(fmu, masters.Setting(start, steps))
     master.names = [name]
     run = master.run(lambda _: time.process_time() > end or time.monotonic() > last_call)
     shown = run.outputs[name]
@@ -372,7 +364,7 @@ def warns(fmu: FmuFile, set: Mapping[str, float], says: Sequence[str]) -> list[s
 def fails_until_reset(fmu: FmuFile, set: Mapping[str, float]) -> list[str]:  # noqa: A002
     """Complain if an FMU goes on after a refusal, or does not recover by a reset."""
     need(fmu, set)
-    need_instances(fmu)
+    masters.need_instances(fmu)
     long: list[Call] = [{"set": defaults(fmu)}, {"start": 0.0}, {"step": _LONG}]
     _, (expected,) = played(fmu, (), long)
     with calling(fmu, long) as caller:
