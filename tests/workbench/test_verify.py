@@ -101,7 +101,7 @@ def test_a_foreign_fmu_passes_by_the_names_that_are_proposed(
     command: Command, tmp_path: Path
 ) -> None:
     shown = command.passes("names", SLIDER.path)
-    assert command.passes("names", SLIDER.path, "-o", "names.toml") == "names.toml\n"
+    assert command.passes("names", SLIDER.path, "-o", "names.toml") == "written: names.toml\n"
     assert (tmp_path / "names.toml").read_text(encoding="utf-8") == shown
     answer = command.verify(
         "--fmu", SLIDER.path, "--names", "names.toml", "--cases", "one-step", "-o", "r.json"

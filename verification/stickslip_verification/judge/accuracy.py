@@ -163,7 +163,9 @@ REPEATS: Final = 0.25
 """Distance of the quartiles over the median of an offset that repeats; honest solvers: above 0.3,
 parameters off by 0.1 to 1 % in an accurate one: below 0.18 (measured)."""
 LEFT: Final = 0.4  # what an offset may leave of the deviation in the middle case
-_ENOUGH: Final = 5  # fewest cases that an offset is taken from
+_ENOUGH, _FEW = 5, 3
+"""Fewest cases that an offset is taken from, and that a large one is where it leaves `_CLEARLY`."""
+_CLEARLY: Final = 0.1  # honest solvers leave 1.8 and more (measured)
 LARGE: Final = 0.005  # offset from which on motions are compared, as they are not linear in it
 _OFFSETS: Final = tuple(s * part for part in (0.015, 0.03, 0.05, 0.07, 0.1, 0.15) for s in (-1, 1))
 _FINER: Final = (0.02, 0.01, 0.005, 0.0025, 0.001)
@@ -461,24 +463,24 @@ def large_offset(
     """
     quick = sorted(cases, key=lambda case: len(case.steps))
     areas = [_Area(of, rulers[of.id], runs[of.id]) for of in quick if of.law == COULOMB_NAME]
-    usable = [area for area in areas if area.usable][:_SHORTEST]
+    usable = [area for area in areas if area.usable]
     found: list[tuple[float, WrongParameter]] = []
     for name in dict.fromkeys(name for _, name in names):
-        of = [area for area in usable if (area.case.id, name) in names]
+        of = [area for area in usable if (area.case.id, name) in names][:_SHORTEST]
         few, of_all = partial(_left, name, of[:_ENOUGH]), partial(_left, name, of)
-        part = min(_OFFSETS, key=few)
-        if len(of) < _ENOUGH or few(part) > _PROMISING:
+        if len(of) < _FEW or few(part := min(_OFFSETS, key=few)) > _PROMISING:
             continue
         for width in _FINER:
             part = min((part, part - width, part + width), key=of_all)
-        found.append((of_all(part), WrongParameter(name, part)))
-    least, best = min(found, key=lambda each: each[0], default=(np.inf, None))
-    return best if best is not None and least <= LEFT and abs(best.part) >= LARGE else None
+        left, most = of_all(part), LEFT if len(of) >= _ENOUGH else _CLEARLY
+        if left <= most and abs(part) >= LARGE:
+            found.append((left, WrongParameter(name, part)))
+    return min(found, key=lambda each: each[0])[1] if found else None
 
 
 def _left(name: str, areas: "Sequence[_Area]", part: float) -> float:
     """Return what a parameter that is larger by a part leaves of the areas in the middle case."""
-    return float(np.median([area.left(name, part) for area in areas])) if areas else np.inf
+    return float(np.median([area.left(name, part) for area in areas]))
 
 
 @dataclass(frozen=True)
