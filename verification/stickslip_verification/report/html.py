@@ -161,7 +161,9 @@ def _likeliest(
     for question in verdict.questions:
         if question.asked == LIKELIEST:
             return question.answer
-    meaning = meanings.get(failures[0].check) if failures else None
+    # What was not made, since a run did not end, is a sign of nothing.
+    made = [each.check for each in failures if not all(result.late for _, result in each.results)]
+    meaning = meanings.get(made[0]) if made else None
     return "" if meaning is None or not meaning.look else f"Likeliest cause: {meaning.look}"
 
 

@@ -442,15 +442,13 @@ def _accuracy(
         return "Nothing is known of its accuracy: no cycle was compared."
     said = [
         f"{each.quantity} within {_percent(each.middle):g} % in the middle case and "
-        f"{_percent(each.largest):g} % in the worst"
+        f"{_percent(each.largest):g} % in the worst ({each.worst})"
         for each in errors
         if each.quantity in ("jump", "period")
     ]
     if wrong is not None:
-        return (
-            f"With that {wrong.name}: {', '.join(said)}. How accurate its solver is shows once "
-            f"{wrong.name} is right."
-        )
+        solver = f"How accurate its solver is shows once {wrong.name} is right."
+        return f"As it is: {', '.join(said)}. {solver}"
     outside = [each.quantity for each in errors if each.largest > within]
     asked = f"within the {_percent(within):g} % asked for"
     if outside:
