@@ -393,7 +393,10 @@ def _model(
     where += [f"{drawn} of the random sequences"] if drawn else []
     where += ["what it does with calls"] if "" in places else []
     most = f"Most in {worst.case or 'the FMU itself'} ({worst.check}): {why}."
-    return f"The model is wrong in {' and '.join(where) or 'runs without an end'}. {most}"
+    there = " and ".join(where) or "runs without an end"
+    if all(each.late for each in made):
+        return f"The FMU does not answer in {there}; what it does there is not known. {most}"
+    return f"The model is wrong in {there}. {most}"
 
 
 def _plain(result: CheckResult) -> bool:
