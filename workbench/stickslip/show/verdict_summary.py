@@ -121,7 +121,8 @@ def _failures(verdict: Verdict, meanings: Mapping[str, Meaning]) -> Iterator[Tex
     for result in failed[:_TOLD]:
         yield failure(result)
         meaning = meanings.get(result.check)
-        if meaning is not None and result.check not in explained:
+        # A run without an end is a sign of nothing.
+        if meaning is not None and not result.late and result.check not in explained:
             explained.add(result.check)
             yield Text(f"     {meaning.means} Likeliest bug: {meaning.look}")
     if len(failed) > _TOLD:
