@@ -268,6 +268,20 @@ def test_an_offset_that_no_motion_is_linear_in_is_named_too(name: str, part: flo
     assert found.part == pytest.approx(part, rel=0.05)
 
 
+@pytest.mark.gate
+@pytest.mark.parametrize("part", [0.0, 0.02, 0.05, -0.1])
+def test_a_load_that_is_off_is_named_though_it_matters_in_three_cases(part: float) -> None:
+    few = [case for case in load_cases() if case.id in ("lightened", "loaded", "load-pulses")]
+    solver, wrong = SOLVERS["semi-implicit Euler, 1 ms"], scaled(load=1.0 + part)
+    runs = {case.id: solver.run(wrong(case)) for case in few}
+    rulers = {of.id: Ruler(kept(exact_motion, of), kept(spreads, of)) for of in few}
+    found = large_offset(rulers, runs, few, {(of.id, name) for of in few for name in changes(of)})
+    assert (found is not None) == (part != 0.0)
+    if found is not None:
+        assert found.name == "load"
+        assert found.part == pytest.approx(part, abs=0.002)
+
+
 ROUGH = ("Heun, 1 in a step", "BDF, 0.0001", "switch model, 0.01 mm/s")
 
 

@@ -165,7 +165,7 @@ parameters off by 0.1 to 1 % in an accurate one: below 0.18 (measured)."""
 LEFT: Final = 0.4  # what an offset may leave of the deviation in the middle case
 _ENOUGH, _FEW = 5, 3
 """Fewest cases that an offset is taken from, and that a large one is where it leaves `_CLEARLY`."""
-_CLEARLY: Final = 0.1  # honest solvers leave 1.8 and more (measured)
+_CLEARLY: Final = 0.1  # rough honest solvers leave 0.36 of that by the load, and more (measured)
 LARGE: Final = 0.005  # offset from which on motions are compared, as they are not linear in it
 _OFFSETS: Final = tuple(s * part for part in (0.015, 0.03, 0.05, 0.07, 0.1, 0.15) for s in (-1, 1))
 _FINER: Final = (0.02, 0.01, 0.005, 0.0025, 0.001)

@@ -115,13 +115,14 @@ def _table(
         lines.append(cells)
     head = ["quantity", "", "unit"] if explained else ["quantity", "unit"]
     texts = range(len(head))
+    styles = [""] * len(head)
     for name in columns:
-        head += [name, "from exact"] if compared and name != "exact" else [name]
+        own = [name, "from exact"] if compared and name != "exact" else [name]
+        head += own
+        styles += [_STYLES[name]] * len(own)
     table = grid(head, lines, texts=texts, title=title)
-    before = ""
-    for column in table.columns[len(texts) :]:
-        before = str(column.header) if column.header in _STYLES else before
-        column.style = _STYLES[before]
+    for column, style in zip(table.columns, styles, strict=True):
+        column.style = style
     return table
 
 

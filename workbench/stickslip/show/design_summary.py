@@ -7,7 +7,7 @@ from rich.console import Group, RenderableType
 from rich.table import Table
 from rich.text import Text
 
-from stickslip.show.fitted import grid as made
+from stickslip.show.fitted import grid
 from stickslip_design.report import tables
 from stickslip_design.verdict import Verdict
 
@@ -35,22 +35,22 @@ def design_summary(verdict: Verdict) -> RenderableType:
 
 def _cures(verdict: Verdict) -> Iterator[RenderableType]:
     """Yield the cures that help as a table, and the names of the others."""
-    grid = tables.cures(verdict)
+    rated = tables.cures(verdict)
     names = [f"{cure.name} ({cure.held})" if cure.held else cure.name for cure in verdict.cures]
     rows: list[tuple[str, ...]] = []
     others: dict[tuple[str, str], list[str]] = {}
-    for name, cure, row in zip(names, verdict.cures, grid.rows, strict=True):
+    for name, cure, row in zip(names, verdict.cures, rated.rows, strict=True):
         if cure.then is None:
             others.setdefault((cure.aim, cure.note), []).append(name)
         else:
             rows.append((name, *row[1:-1]))
     if rows:
-        yield _table(tables.Grid(grid.head[:-1], rows, grid.numbers))
+        yield _table(tables.Grid(rated.head[:-1], rows, rated.numbers))
     for (aim, note), idle in others.items():
         reason = f" ({note})" if note else ""
         yield Text(f"no help alone for {aim}{reason}: {', '.join(idle)}")
 
 
-def _table(grid: tables.Grid) -> Table:
-    texts = [place for place in range(len(grid.head)) if place not in grid.numbers]
-    return made(grid.head, grid.rows, texts=texts, show_header=bool(grid.head[1]))
+def _table(shown: tables.Grid) -> Table:
+    texts = [place for place in range(len(shown.head)) if place not in shown.numbers]
+    return grid(shown.head, shown.rows, texts=texts, show_header=bool(shown.head[1]))
