@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 import pytest
 
-from stickslip_verification.drive.masters import HEAVIER, MIRROR, QUICKER, Symmetry
+from stickslip_verification.drive.other_runs import HEAVIER, MIRROR, QUICKER, Symmetry
 from stickslip_verification.truth import friction_law
 from tests.facts.sides import BLOCK, QUICK, REFERENCE, TRUTH, Row, Setting, Side, each_side
 from tests.fmu.blocks import Draw, Segment, draw, draw_ageing

@@ -11,7 +11,8 @@ class StepBlock:
     """Semi-implicit Euler, in steps of `step` [s], or `order` of them in a communication step.
 
     Faults: load light, by a tenth; damped ahead, and not behind; static friction high, by 1 %;
-    ages, by a tenth of mu_k after 700 slips.
+    ages, by a tenth of mu_k after 700 slips; push weak in stick, by 1 %; damping of the start, also
+    after a change; begins at rest.
     """
 
     def __init__(
@@ -26,11 +27,16 @@ class StepBlock:
         self.p = {**START, **values}
         self.order, self.step, self.fault = order, step, fault
         self.x, self.u, self.z = (self.p[name] for name in ("x_start", "x_dot_start", "z_start"))
+        self.damping = self.p["c"]
+        if fault == "begins at rest":
+            self.u = 0.0
         self.mode = (self.u > 0.0) - (self.u < 0.0)
         self.slips = 0
 
     def change(self, values: Mapping[str, float]) -> None:
         self.p.update(values)
+        if self.fault != "damping of the start":
+            self.damping = self.p["c"]
 
     def _friction(self, mu: str) -> float:
         load = self.p["load"] * (0.9 if self.fault == "load light" else 1.0)
@@ -44,11 +50,14 @@ class StepBlock:
         h /= count
         for _ in range(count):
             driving = p["k"] * self.z + p["F_ext"]
-            if self.mode == 0 and abs(driving) > self._friction("mu_s"):
+            push = 0.01 * p["F_ext"] if self.fault == "push weak in stick" else 0.0
+            if self.mode == 0 and abs(driving - push) > self._friction("mu_s"):
                 self.mode = 1 if driving > 0.0 else -1
             if self.mode:
                 one_way = self.fault == "damped ahead" and self.u < 0.0
-                drag = self.mode * self._friction("mu_k") + (0.0 if one_way else p["c"]) * self.u
+                drag = (
+                    self.mode * self._friction("mu_k") + (0.0 if one_way else self.damping) * self.u
+                )
                 self.u += h * (driving - drag) / p["m"]
                 if self.mode * self.u <= 0.0:
                     self.u, self.mode = 0.0, 0
@@ -58,7 +67,7 @@ class StepBlock:
 
     def outputs(self) -> dict[str, float]:
         force = self.p["k"] * self.z
-        drag = -self.mode * self._friction("mu_k") - self.p["c"] * self.u
+        drag = -self.mode * self._friction("mu_k") - self.damping * self.u
         return {
             "x": self.x, "x_dot": self.u, "x_pull": self.x + self.z, "z": self.z, "F": force,
             "F_friction": drag if self.mode else -force - self.p["F_ext"],

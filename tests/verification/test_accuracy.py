@@ -66,6 +66,8 @@ UNLIKE = {
     "Euler, 0.5 ms": Solver(solvers._euler, step=5e-4),
     "Verlet, 0.2 ms": Solver(solvers._verlet, step=2e-4),
     "Verlet, 0.5 ms, events located": Solver(solvers._verlet, step=5e-4, located=True),
+    "Verlet, damping late, 0.5 ms": Solver(solvers._verlet_damped_late, step=5e-4),
+    "implicit Euler, 0.5 ms": Solver(solvers._implicit_euler, step=5e-4),
     "Runge-Kutta, 4 in a step": Solver(solvers._runge_kutta, parts=4),
     "RK45, 1e-5": Solver(rtol=1e-5),
     "Radau, 1e-5 absolute": Solver(rtol=1e-5, atol=1e-5, adapts="Radau"),

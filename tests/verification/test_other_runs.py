@@ -11,15 +11,23 @@ import pytest
 from stickslip_verification import CheckResult, NameMap, load_invariants, load_mutants
 from stickslip_verification.drive import CommunicationStep, FmuFile, Setting, run
 from stickslip_verification.drive.fmu.names import Target
-from stickslip_verification.drive.masters import RUNS, NotApplicableError, run_case
+from stickslip_verification.drive.masters import NotApplicableError, run_case
+from stickslip_verification.drive.other_runs import RUNS
 from stickslip_verification.drive.planting import plant
 from stickslip_verification.drive.processes import Answer
-from stickslip_verification.judge.checks import EXACT_CONTRACT, judge_run
+from stickslip_verification.judge.accuracy import Band
+from stickslip_verification.judge.checks import (
+    EXACT_CONTRACT,
+    PHYSICS_CONTRACT,
+    judge_run,
+    of_invariant,
+    same_run,
+)
 from stickslip_verification.model.quantities import OUTPUT_NAMES
 from stickslip_verification.model.run import Run
 from stickslip_verification.suite.cases import Case
 from tests.conftest import built
-from tests.makers import SLIDER, SLIDER_3
+from tests.makers import SLIDER, SLIDER_3, plain
 from tests.verification.records import exact_of, named
 
 INVARIANTS = {invariant.id: invariant for invariant in load_invariants().runs}
@@ -64,6 +72,26 @@ def test_a_run_shows_the_fault_it_is_there_for(mutant: str, tmp_path: Path) -> N
     file.close()
     assert not all(result.passed for result in results)
     assert all(result.failure is None for result in results)
+
+
+@pytest.mark.parametrize(
+    ("fault", "other"),
+    [
+        ("", ""),
+        ("push weak in stick", "shifted"),
+        ("damping of the start", "continued"),
+        ("begins at rest", "continued"),
+    ],
+)
+def test_a_slider_goes_on_alike_from_another_start_if_it_is_right(fault: str, other: str) -> None:
+    file = plain("Anew" + "".join(fault.title().split()), step=1e-3, fault=fault).opened()
+    tuned, band = named("tuned"), Band(exact_of("tuned"))
+    numerical = [each for each in INVARIANTS.values() if each.numerical]
+    for of in numerical:
+        empty = of_invariant(of, tuned, PHYSICS_CONTRACT)
+        row = same_run(empty, run_case(file, tuned), RUNS[of.run](file, tuned), band)
+        assert row.passed is (of.run != other), row
+    assert len(numerical) == 2
 
 
 def without_gravity() -> FmuFile:

@@ -18,14 +18,12 @@ import numpy as np
 from stickslip_verification.drive.fmu.description import FmuError
 from stickslip_verification.drive.fmu.description import NotApplicableError as NotApplicableError
 from stickslip_verification.drive.fmu.instance import FmuFile, FmuInstance, available
-from stickslip_verification.model.quantities import OUTPUT_NAMES, OUTPUTS, Quantity
+from stickslip_verification.model.quantities import OUTPUT_NAMES
 from stickslip_verification.model.run import CommunicationStep as CommunicationStep
 from stickslip_verification.model.run import Run, points
-from stickslip_verification.model.units import spelled
 from stickslip_verification.truth.course import BUILT_IN, COULOMB_NAME
 from stickslip_verification.truth.parameters import (
     CHANGEABLE,
-    PARAMETERS,
     START_VALUES,
     Parameter,
     changeable,
@@ -33,44 +31,6 @@ from stickslip_verification.truth.parameters import (
 
 if TYPE_CHECKING:
     from stickslip_verification.suite.cases import Case
-
-
-@dataclass(frozen=True)
-class Symmetry:
-    """A change of everything that is set, under which the motion is the same but for factors.
-
-    ``mass`` and ``pace`` are the factors on the units of mass and time; ``pace`` is also that on
-    the lengths of steps. ``mirrored``: what is directed changes its sign.
-    """
-
-    name: str
-    mass: float = 1.0
-    pace: float = 1.0
-    mirrored: bool = False
-
-    def factor(self, of: Parameter | Quantity) -> float:
-        """Return the factor on a parameter, an input or an output."""
-        unit = spelled(of.unit)
-        assert unit is not None
-        sign = -1.0 if self.mirrored and of.directed else 1.0
-        return sign * float(self.mass ** unit.dimension[0] * self.pace ** unit.dimension[2])
-
-    @cached_property
-    def outputs(self) -> Mapping[str, float]:
-        """The factors on outputs by name."""
-        return {each.name: self.factor(each) for each in OUTPUTS}
-
-    def scaled(
-        self, setting: Mapping[str, float], own: Sequence[Parameter] = ()
-    ) -> dict[str, float]:
-        """Return `setting` with its factors; `own` are the friction law's parameters in it."""
-        known = {each.name: each for each in (*PARAMETERS, *own)}
-        return {name: value * self.factor(known[name]) for name, value in setting.items()}
-
-
-MIRROR = Symmetry("mirror", mirrored=True)
-HEAVIER = Symmetry("m, k, c, load, F_ext times 4", mass=4.0)
-QUICKER = Symmetry("k, g, load, F_ext times 4, v, c, x_dot_start times 2, time halved", pace=0.5)
 
 
 @dataclass(frozen=True)
@@ -198,9 +158,7 @@ def need_ability(able: bool, what: str) -> None:
 
 AfterStep = Callable[[float], bool]
 """Called with the time since the start [s] after each step; True ends the run there."""
-_PIECES = (0.3, 0.45)  # parts of a step that it is cut into, the rest being the last
-_ROLLBACKS, _REPEATED, _STATES = 5, 20, 100
-"""How often a run is set back, over how many steps each time; states that exist at once, once."""
+_STATES = 100  # that exist at once, once
 _UNREAD_STEPS, _BUSY_STEPS, _TINY, _ROUNDING = 40, 100, 1e-9, 2e-15
 """Steps that one step of a case is cut into where nothing is read, and where inputs are set too;
 the shortest part of a step; part of its value by which an input set before every step is off."""
@@ -210,7 +168,8 @@ class Master:
     """One run of an FMU through a setting; the first of its ``instances`` runs the case.
 
     ``names`` are read, ``start`` are the start values of the case, ``values`` these with what was
-    changed so far; its ``seed`` decides orders and cuts. ``number`` and ``next`` are the next step.
+    changed so far; its ``seed`` decides orders and cuts. ``number`` and ``next`` are the next step,
+    ``mark`` is one at which a way does something.
     """
 
     next: CommunicationStep
@@ -229,7 +188,7 @@ class Master:
         self.values = dict(self.start)
         self.seed, self.draw = seed, Random(seed)
         self.instances: list[FmuInstance] = []
-        self.number = 0
+        self.number = self.mark = 0
         self._initial: list[float] = []
         self._rows: dict[int, list[float]] = {}
         self._readers: dict[FmuInstance, Callable[[], list[float]]] = {}
@@ -367,109 +326,7 @@ class Way:
         return replace(run, times=np.array(case.times)) if complete else run
 
 
-def _symmetric(symmetry: Symmetry) -> Way:
-    def scaled(step: CommunicationStep, case: Case) -> CommunicationStep:
-        return CommunicationStep(step.h * symmetry.pace, symmetry.scaled(step.changes, case.own))
-
-    def setting(fmu: FmuFile, case: Case) -> Setting:
-        steps = [scaled(step, case) for step in setting_of(fmu, case).steps]
-        values = symmetry.scaled(case.start, case.own)
-        # What the plain run does without, of a friction law's parameters, has no effect.
-        own = {each.name for each in case.own}
-        need(fmu, lacking(fmu, {n: value for n, value in values.items() if n not in own}))
-        return Setting({n: value for n, value in values.items() if fmu.has(n)}, steps)
-
-    def back(run: Run) -> Run:
-        factors = symmetry.outputs
-        return replace(
-            run,
-            outputs={n: s / factors.get(n, 1.0) for n, s in run.outputs.items()},
-            initial={n: value / factors.get(n, 1.0) for n, value in run.initial.items()},
-        )
-
-    return Way(setting=setting, back=back)
-
-
-def _cut(fmu: FmuFile, case: Case) -> Setting:
-    plain = setting_of(fmu, case)
-    pieces = []
-    for step in plain.steps:
-        first, second = (step.h * part for part in _PIECES)
-        for h, changes in ((first, step.changes), (second, {}), (step.h - first - second, {})):
-            pieces.append(CommunicationStep(h, changes))
-    return Setting(plain.parameters, pieces)
-
-
-def _joined(run: Run) -> Run:
-    ends = slice(len(_PIECES), None, len(_PIECES) + 1)
-    outputs = {name: samples[ends] for name, samples in run.outputs.items()}
-    return replace(run, times=run.times[ends], outputs=outputs)
-
-
-def _at_mark(m: Master) -> bool:
-    """Whether the next step is one of a few before which a run is set back."""
-    marks = range(1, _ROLLBACKS + 1)
-    return m.number in {len(m.setting.steps) * n // (_ROLLBACKS + 1) for n in marks}
-
-
-def _set_back_at_marks(m: Master) -> None:
-    """Now and then go on, set the state back, and repeat the same steps."""
-    if _at_mark(m):
-        state = m.instance.get_state()
-        m.go(m.instance, m.number, m.number + _REPEATED)
-        m.instance.set_state(state)
-        m.instance.free_state(state)
-        m.read_again()
-    m.set()
-
-
-def _begin_both(m: Master, **changes: float) -> None:
-    m.begin()
-    m.instances[1].start({**m.setting.parameters, **changes})
-    m.read(m.instances[1])
-
-
-def _carry_over_at_marks(m: Master) -> None:
-    """Now and then go on in the other instance, from the state as bytes."""
-    if _at_mark(m):
-        written = m.instance.written(m.instance.get_state())
-        m.instances.reverse()
-        m.instance.restore(written)
-        m.read_again()
-    m.set()
-
-
-def _begin_again(m: Master) -> None:
-    """Run most of the case, set what may be set, so that what stays shows, and reset."""
-    m.begin()
-    m.go(m.instance, 0, max(len(m.setting.steps) * 2 // 3, 1))
-    changes = {"v": 0.05, "load": 1.0}
-    m.instance.set({name: value for name, value in changes.items() if may_change(m.fmu, name)})
-    m.instance.reset()
-    m.begin()
-
-
-def _step_other_before(m: Master) -> None:
-    if m.number:
-        m.go(m.instances[1], m.number - 1, m.number)
-    m.set()
-
-
 run_case = Way()  # drives a fresh instance of an FMU through a case, plainly
-
-RUNS: Mapping[str, Way] = {
-    "mirror": _symmetric(MIRROR),
-    "forces": _symmetric(HEAVIER),
-    "time": _symmetric(QUICKER),
-    "splitting": Way(setting=_cut, back=_joined),
-    "rollback": Way(set=_set_back_at_marks, states=True),
-    "serialized": Way(
-        begin=_begin_both, set=_carry_over_at_marks, instances=2, states=True, written=True
-    ),
-    "reset": Way(begin=_begin_again),
-    "two_instances": Way(begin=partial(_begin_both, v=0.037), set=_step_other_before, instances=2),
-}
-"""What an invariant can name as ``run``."""
 
 
 def _in_parts(m: Master, cuts: int, then: Callable[[Master], object] = lambda _: None) -> None:

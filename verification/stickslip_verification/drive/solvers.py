@@ -26,6 +26,7 @@ SHARES: Final = ("x", "x_dot", "F")  # the outputs that they have
 _EQUAL: Final = 1e-14
 _MOST_PHASES: Final = 200  # in one communication step; more are a chattering that never ends
 _MOST_IN_STEP: Final = 10  # in one step of a method
+_FARTHEST: Final = 1e9  # elongation of a spring [m] beyond which a model has no bounds
 
 
 def _semi_implicit(a: Any, z: float, u: float, v: float, h: float) -> tuple[float, float]:
@@ -41,6 +42,25 @@ def _verlet(a: Any, z: float, u: float, v: float, h: float) -> tuple[float, floa
     before = a(z, u)
     way = h * u + 0.5 * h * h * before
     return way, u + 0.5 * h * (before + a(z + v * h - way, u + h * before))
+
+
+def _verlet_damped_late(a: Any, z: float, u: float, v: float, h: float) -> tuple[float, float]:
+    before = a(z, u)
+    way = h * u + 0.5 * h * h * before
+    return way, u + 0.5 * h * (before + a(z + v * h - way, u))
+
+
+def _implicit_euler(a: Any, z: float, u: float, v: float, h: float) -> tuple[float, float]:
+    def missed(after: float) -> float:
+        return after - u - h * float(a(z + h * (v - after), after))
+
+    after, secant = u, u + h * a(z, u)
+    for _ in range(_MOST_IN_STEP):
+        rest, before = missed(after), missed(secant)
+        if rest == before:
+            break
+        after, secant = after - rest * (after - secant) / (rest - before), after
+    return h * after, after
 
 
 def _heun(a: Any, z: float, u: float, v: float, h: float) -> tuple[float, float]:
@@ -99,6 +119,8 @@ _METHODS: Final[Mapping[str, Method]] = {
     "Verlet": _verlet,
     "Heun": _heun,
     "Runge-Kutta": _runge_kutta,
+    "Verlet, damping late": _verlet_damped_late,
+    "implicit Euler": _implicit_euler,
 }
 
 
@@ -302,11 +324,16 @@ class Slider:
         return high
 
     def _adapt(self, left: float) -> float:
-        """Slip until the mass stops, or for the time left [s]; return for how long."""
+        """Slip until the mass stops, or for the time left [s]; return for how long.
+
+        `ValueError` if the motion has no bounds: steps would get ever shorter.
+        """
         s, v, rtol = self.mode, self.p["v"], self.solver.rtol
         acceleration = self._acceleration()
 
         def velocity(_: float, y: Any) -> float:
+            if abs(y[0]) > _FARTHEST:
+                raise ValueError(f"the spring is stretched by more than {_FARTHEST:g} m")
             return float(s * y[1])
 
         # It takes half a second to import, which only the processes that solve need.

@@ -22,7 +22,8 @@ from stickslip_verification.drive.exact import kept
 from stickslip_verification.drive.fmu.description import FmuError
 from stickslip_verification.drive.fmu.instance import FmuFile
 from stickslip_verification.drive.fmu.names import NameMap, Variable
-from stickslip_verification.drive.masters import MANNERS, RUNS, Master, Setting, run_case
+from stickslip_verification.drive.masters import MANNERS, Master, Setting, run_case
+from stickslip_verification.drive.other_runs import RUNS
 from stickslip_verification.drive.probes.environments import PROBES
 from stickslip_verification.drive.processes import Answer, LostError, Worker, answer_of
 from stickslip_verification.model.run import Run

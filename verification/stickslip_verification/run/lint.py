@@ -10,7 +10,7 @@ from pathlib import Path
 
 from stickslip_verification.drive import workers
 from stickslip_verification.drive.exact import Exact, exact_motion, kept
-from stickslip_verification.drive.masters import RUNS
+from stickslip_verification.drive.other_runs import RUNS
 from stickslip_verification.drive.probes.environments import PROBES
 from stickslip_verification.drive.solvers import SOLVERS
 from stickslip_verification.judge.accuracy import DIVERGED, Ruler

@@ -156,7 +156,8 @@ def verify(
         physics = [run for run in invariants.runs if run.klass == Klass.PHYSICS]
         invariants = replace(invariants, runs=physics, residuals=[], agreements=[])
     else:
-        invariants = _without(invariants, OF_NUMERICAL)
+        of_exact = [run for run in invariants.runs if not run.numerical]
+        invariants = _without(replace(invariants, runs=of_exact), OF_NUMERICAL)
     tried = of_faults = invariants
     if not long_probes:
         foretold = {check for mutant in mutants for check in mutant.detected_by}

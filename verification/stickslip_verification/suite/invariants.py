@@ -61,10 +61,11 @@ class RunInvariant(Invariant):
     """Another run of the FMU (a key of `RUNS`) gives the same motion.
 
     ``tolerance`` is that of the exact block, as a part of each output's largest value; None: bit
-    for bit.
+    for bit. One that is ``numerical`` is tried on numerical solutions only.
     """
 
     run: Name
+    numerical: bool = False
     tolerance: data.Amount | None = None
     because: data.Text
 
