@@ -194,8 +194,8 @@ def _not_round(runs: Runs, solved: Solution) -> dict[tuple[str, str], CheckResul
 
 def _of_sequences(runs: Runs, like: accuracy.Matched) -> Iterator[CheckResult]:
     tests = list(zip(runs.experiment.random, runs.random, strict=True))
-    known = (_plain(test.baseline, answer) for test, answer in tests if test.plain)
-    drawn = {plain.case.id: plain for plain in known if plain is not None}
+    ran_plainly = (_plain(test.baseline, answer) for test, answer in tests if test.plain)
+    drawn = {of.case.id: of for of in ran_plainly if of is not None}
     expected, too_stiff = {}, set()
     for name, plain in drawn.items():
         expected[name], stiff = _expected(plain, like)
@@ -216,8 +216,12 @@ def _of_sequences(runs: Runs, like: accuracy.Matched) -> Iterator[CheckResult]:
         if name in too_stiff if ran else raised and like.alike and _stiff(case, like):
             yield replace(empty, not_applicable=TOO_STIFF)
         else:
-            of = test.manner.manner
-            yield _judge(empty, of, answer, drawn.get(name), like, expected.get(name, 0.0))
+            of, known = test.manner.manner, drawn.get(name)
+            row = _judge(empty, of, answer, known, like, expected.get(name, 0.0))
+            if row.failed and of != PLAIN and known is not None:
+                most = max(expected[name], _expected(known, like, whole=True)[0])
+                row = _judge(empty, of, answer, known, like, most)
+            yield row
 
 
 def _judge(
@@ -245,18 +249,23 @@ def _judge(
     return compared(empty, allowed / AS_MUCH, worst.delta, worst.delta)
 
 
-def _expected(plain: Plain, like: accuracy.Matched) -> tuple[float, bool]:
-    """Return the delta that is expected in a sequence, and whether the block is too stiff there."""
-    case = plain.case
-    solved = [
-        factor * min(plain.ruler.deviation(solver.run(case)).delta, accuracy.DIVERGED)
-        for solver, factor in _honest(like)
-        if case.law in BUILT_IN
-    ]
+def _expected(plain: Plain, like: accuracy.Matched, *, whole: bool = False) -> tuple[float, bool]:
+    """Return the delta that is expected in a sequence, and whether the block is too stiff there.
+
+    Unless it is asked for `whole`, honest solvers are run until one errs enough for the FMU not to
+    stand out.
+    """
+    case, delta = plain.case, plain.motion.delta
     # No sequence is held to more than the best case.
     least = min(like.expected.values(), default=accuracy.LEAST)
+    solved = [] if case.law in BUILT_IN else [*like.expected.values()]
+    for solver, factor in _honest(like) if case.law in BUILT_IN else ():
+        if not whole and delta <= accuracy.STANDS_OUT * max(least, *solved, 0.0):
+            break
+        honest = plain.ruler.deviation(solver.run(case)).delta
+        solved.append(factor * min(honest, accuracy.DIVERGED))
     too_stiff = max(solved, default=0.0) >= accuracy.DIVERGED or _stiff(case, like)
-    return max(least, *(solved or like.expected.values())), too_stiff
+    return max(least, *solved, 0.0), too_stiff
 
 
 def _honest(like: accuracy.Matched) -> Iterator[tuple[Solver, float]]:

@@ -6,6 +6,7 @@ in no other run another one; else there is none that explains it alone.
 """
 
 import math
+from collections import Counter
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
@@ -29,6 +30,7 @@ from stickslip_verification.model.verdict import (
 from stickslip_verification.run.comparisons import FEW, Plain, Solution, as_large, output_of
 from stickslip_verification.run.experiment import Runs
 from stickslip_verification.suite.cases import Case
+from stickslip_verification.suite.invariants import load_invariants
 from stickslip_verification.truth.course import BUILT_IN
 from stickslip_verification.truth.parameters import CHANGEABLE
 
@@ -382,9 +384,11 @@ def _model(
     worst = max(
         made, key=lambda each: (_plain(each), (each.error or 0.0) / (each.tolerance or 1.0))
     )
-    than = f" against the {worst.expected or 0.0:.0e} of an honest solver"
-    than = than if _plain(worst) else " from its plain run"
-    why = worst.failure or f"{worst.quantity}, {worst.error or 0.0:.0e}{than}"
+    why = worst.failure or f"{worst.quantity}, {worst.error or 0.0:.0e} from its plain run"
+    if _plain(worst) and not worst.failure:
+        off, honest = (_percent(part or 0.0) for part in (worst.error, worst.expected))
+        why = f"{_place(worst)} is off as if the data were by {off:g} %, "
+        why += f"an honest solver {honest:g} %"
     if len(made) < len(failed):
         why += f". {len(failed) - len(made)} checks were not made, since runs did not end"
     places = {each.case for each in made}
@@ -403,6 +407,20 @@ def _plain(result: CheckResult) -> bool:
     return result.truth == Kind.CLOSED_FORM
 
 
+def _place(result: CheckResult) -> str:
+    """Return the output and the time at which a plain run is farthest off."""
+    return result.quantity.partition(" by ")[2]
+
+
+def _telling(failed: Sequence[CheckResult]) -> str:
+    """Say which check fails most often, where the bug is likely then, and what is farthest off."""
+    ((check, count),) = Counter(each.check for each in failed).most_common(1)
+    look = next((each.look for each in load_invariants() if each.id == check), "")
+    rows = dict.fromkeys(f"{each.case or 'the FMU itself'} ({each.check})" for each in failed)
+    times = f"{count} times" if count > 1 else "once"
+    return f"{check} fails {times}. Look for: {look} Farthest off: {', '.join([*rows][:WORST])}."
+
+
 def _likeliest(solved: Solution, failed: Sequence[CheckResult], runs: Runs) -> str:
     shown = {
         case: Shown(plain.case, plain.ruler.exact.record, plain.run)
@@ -415,15 +433,18 @@ def _likeliest(solved: Solution, failed: Sequence[CheckResult], runs: Runs) -> s
         if test.plain and exact is not None and answer.value is not None:
             shown[case.id] = Shown(case, exact.record, answer.value)
     known = {name for name, of in shown.items() if of.case.law in BUILT_IN}
-    plain = [each for each in failed if _plain(each) and each.case in known]
+    ended = [
+        each for each in failed if each.error is not None or (_plain(each) and each.case in shown)
+    ]
+    ended.sort(key=lambda each: (each.error or math.inf) / (each.tolerance or 1.0), reverse=True)
+    plain = [each for each in ended if _plain(each) and each.case in known]
     if not plain:
-        return ""
-    plain.sort(key=lambda each: (each.error or math.inf) / (each.tolerance or 1.0), reverse=True)
+        return _telling(ended) if ended else ""
     worst = [replace(shown[each.case], output=output_of(each)) for each in plain[:WORST]]
     said = cause(worst, others)
     drawn = _set(worst[0].case) if worst[0].case.id.startswith(SEQUENCE) else ""
     if said is None:
-        return f"No single cause explains it.{drawn}"
+        return f"No single cause explains it. {_telling(ended)}{drawn}"
     of = "it" if len(plain) == 1 else f"the {len(worst)} runs that are farthest off"
     return f"Likeliest, {said}: that explains {of}.{drawn}"
 
