@@ -384,11 +384,12 @@ def _model(
     worst = max(
         made, key=lambda each: (_plain(each), (each.error or 0.0) / (each.tolerance or 1.0))
     )
-    why = worst.failure or f"{worst.quantity}, {worst.error or 0.0:.0e} from its plain run"
-    if _plain(worst) and not worst.failure:
-        off, honest = (_percent(part or 0.0) for part in (worst.error, worst.expected))
-        why = f"{_place(worst)} is off as if the data were by {off:g} %, "
-        why += f"an honest solver {honest:g} %"
+    off, honest = (_percent(part or 0.0) for part in (worst.error, worst.expected))
+    why = worst.failure or f"{worst.quantity} is {off:g} % of its scale from its plain run"
+    if not worst.failure and (place := _place(worst)):
+        far = f"is off as if the data were by {off:g} %, an honest solver {honest:g} %"
+        run = f"is as far from the plain run as if the data were off by {off:g} %"
+        why = f"{place} {far if _plain(worst) else run}"
     if len(made) < len(failed):
         why += f". {len(failed) - len(made)} checks were not made, since runs did not end"
     places = {each.case for each in made}
