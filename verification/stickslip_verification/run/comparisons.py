@@ -160,7 +160,7 @@ def compare_numerical(runs: Runs, solved: Solution) -> Iterator[CheckResult]:
         for invariant in plainly:
             empty = of_invariant(invariant, case, contract)
             yield _judge(empty, PLAIN, runs.plain[case], plain, solved.like, expected)
-        for run in invariants.runs if plain is not None else ():
+        for run in runs.experiment.runs if plain is not None else ():
             if run.holds_for(baseline.case.law):
                 empty, other = of_invariant(run, case, contract), runs.others[case, run.run]
                 row = not_round.get((case, run.run))
@@ -176,7 +176,7 @@ def _not_round(runs: Runs, solved: Solution) -> dict[tuple[str, str], CheckResul
     rows: dict[tuple[str, str], CheckResult] = {}
     if SOLVERS[solved.like.solver].rtol > 0.0:
         return rows
-    for run in runs.experiment.invariants.runs:
+    for run in runs.experiment.runs:
         if run.run not in ROUND:
             continue
         alike = {}
@@ -390,7 +390,7 @@ def _compare_case(runs: Runs, baseline: Baseline, *, reference: bool) -> Iterato
         empty = checks.of_invariant(residual, case, side)
         judge = partial(checks.judge_residual, residual, case, side)
         yield _result(empty, baseline, answer, judge)
-    for run in invariants.runs:
+    for run in runs.experiment.runs:
         if run.holds_for(case.law):
             empty = checks.of_invariant(run, case, contract)
             other = runs.others[case.id, run.run]

@@ -14,9 +14,15 @@ from stickslip_verification.drive.exact import Exact
 from stickslip_verification.drive.processes import Answer
 from stickslip_verification.judge.checks import Contract, applies
 from stickslip_verification.model.run import Run, Series
-from stickslip_verification.model.verdict import ObservedOrder
+from stickslip_verification.model.verdict import Klass, ObservedOrder
 from stickslip_verification.suite.cases import Case
-from stickslip_verification.suite.invariants import Invariants, Manner, Order, ResidualInvariant
+from stickslip_verification.suite.invariants import (
+    Invariants,
+    Manner,
+    Order,
+    ResidualInvariant,
+    RunInvariant,
+)
 from stickslip_verification.suite.sequences import PLAIN, tried
 
 TIME_LIMIT = 180.0
@@ -71,6 +77,13 @@ class Experiment:
     invariants: Invariants
     contract: Contract
     random: Sequence[RandomTest] = ()
+
+    @property
+    def runs(self) -> Sequence[RunInvariant]:
+        """The other runs: of a numerical solution those of physics, of an exact block no others."""
+        if self.contract.numerical:
+            return [run for run in self.invariants.runs if run.klass == Klass.PHYSICS]
+        return [run for run in self.invariants.runs if not run.numerical]
 
 
 def compute(
@@ -169,7 +182,7 @@ def run_all(
     Where the plain runs are `enough`, only those of the sequences follow.
     """
     cases = [each.case for each in experiment.baseline]
-    kinds = list(dict.fromkeys(invariant.run for invariant in experiment.invariants.runs))
+    kinds = list(dict.fromkeys(invariant.run for invariant in experiment.runs))
     in_other_ways = list(product(cases, kinds))
     answers = pool.each(workers.plain_run, [(case,) for case in cases])
     plain: dict[str, Answer[Run]] = {}

@@ -153,11 +153,9 @@ def verify(
     invariants = load_invariants().of_laws({case.law for case in cases})
     if held_to.numerical:
         # Deltas stand for what the samples say, and a run meets its like, not another to the bit.
-        physics = [run for run in invariants.runs if run.klass == Klass.PHYSICS]
-        invariants = replace(invariants, runs=physics, residuals=[], agreements=[])
+        invariants = replace(invariants, residuals=[], agreements=[])
     else:
-        of_exact = [run for run in invariants.runs if not run.numerical]
-        invariants = _without(replace(invariants, runs=of_exact), OF_NUMERICAL)
+        invariants = _without(invariants, OF_NUMERICAL)
     tried = of_faults = invariants
     if not long_probes:
         foretold = {check for mutant in mutants for check in mutant.detected_by}
