@@ -9,10 +9,10 @@ import itertools
 import os
 import shutil
 import weakref
-from abc import ABC, abstractmethod
+from abc import abstractmethod
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, ClassVar, Protocol, Self
+from typing import TYPE_CHECKING, Any, ClassVar, Protocol
 
 import fmpy
 import fmpy.fmi1
@@ -85,17 +85,18 @@ class Unpacked(Protocol):
     variables: Mapping[str, Variable]
 
 
-class FmuInstance(ABC):
+class FmuInstance(contextlib.AbstractContextManager["FmuInstance"]):
     """One instance of an FMU. Variables by our names, values in SI.
 
-    After an `FmuError` only `reset` and `free` are of use. ``C_TYPES`` has for the kind of a
-    variable its name in the FMI functions, which begin with ``PREFIX``, and its type in C;
-    ``SLAVE`` is FMPy's class that loads the library.
+    After an `FmuError` only `reset` and `free` are of use. ``FMI`` is FMPy's module with the types
+    in C, ``SLAVE`` its class that loads the library; names in both begin with ``PREFIX``.
+    ``ENUMERATION`` is the kind whose functions an enumeration has.
     """
 
-    C_TYPES: ClassVar[Mapping[str, tuple[str, Any]]]
-    PREFIX: ClassVar[str]
+    FMI: ClassVar[Any]
     SLAVE: ClassVar[Any]
+    PREFIX: ClassVar[str]
+    ENUMERATION: ClassVar[str]
 
     def __init__(self, fmu: Unpacked) -> None:
         self.file = fmu
@@ -106,8 +107,7 @@ class FmuInstance(ABC):
             for name, variable in fmu.variables.items()
             if variable.kind in FLOATING and variable.conversion.leaves_alone
         )
-        self._freed = False
-        self._lost = False
+        self._gone = False
         try:
             # FMPy stays in the folder of the library if it cannot be loaded.
             with contextlib.chdir(Path.cwd()):
@@ -146,7 +146,7 @@ class FmuInstance(ABC):
     def _failure(self, call: str, error: Exception) -> FmuError:
         said = " ".join(self.messages[-1].split()) if self.messages else "without a message"
         status = getattr(error, "status", None)
-        self._lost = self._lost or status == FATAL
+        self._gone = self._gone or status == FATAL
         reason = f"status {_MEANING[status]}" if status in _MEANING else one_line(error)
         return FmuError(f"{self.file.path.name}: {call} failed: {said} ({reason})")
 
@@ -199,15 +199,21 @@ class FmuInstance(ABC):
         if missing:
             raise FmuError(f"{self.file.path.name}: has no variable {', '.join(missing)}")
         variables = [self.file.variables[name] for name in names]
-        kinds = [self.C_TYPES[variable.kind] for variable in variables]
-        for kind, c_type in dict.fromkeys(kinds):
-            places = [place for place, other in enumerate(kinds) if other[0] == kind]
+        kinds = [self._kind(variable) for variable in variables]
+        for kind in dict.fromkeys(kinds):
+            places = [place for place, other in enumerate(kinds) if other == kind]
             count = len(places)
             references = (ctypes.c_uint * count)(*(variables[i].reference for i in places))
-            buffer = (c_type * count)()
+            buffer = (self._c_type(kind) * count)()
             sizes = (count,) if self.PREFIX == "fmi3" else ()
             arguments = (self._slave.component, references, count, buffer, *sizes)
             yield kind, places, buffer, arguments
+
+    def _kind(self, variable: Variable) -> str:
+        return self.ENUMERATION if variable.kind == "Enumeration" else variable.kind
+
+    def _c_type(self, kind: str) -> Any:
+        return getattr(self.FMI, f"{self.PREFIX}{kind}")
 
     def _theirs(self, name: str, value: float) -> float:
         variable = self.file.variables[name]
@@ -215,7 +221,7 @@ class FmuInstance(ABC):
         number = value if change.leaves_alone else change.from_si(value)
         if variable.kind in FLOATING:
             return number
-        c_type = self.C_TYPES[variable.kind][1]
+        c_type = self._c_type(self._kind(variable))
         # A C integer that is too small for the number would silently hold another one.
         if not float(number).is_integer() or c_type(int(number)).value != number:
             label = self.file.path.name
@@ -274,22 +280,19 @@ class FmuInstance(ABC):
     def reset(self) -> None:
         """Back to the state after instantiation."""
         self._do(f"{self.PREFIX}Reset", self._slave.reset)
-        self._lost = False
+        self._gone = False
 
     def free(self) -> None:
         """Free the instance once; after a fatal status not at all, as the standard forbids it."""
-        if not self._freed and not self._lost:
+        if not self._gone:
             self._slave.freeInstance()
-        self._freed = True
-
-    def __enter__(self) -> Self:
-        return self
+        self._gone = True
 
     def __exit__(self, *_: object) -> None:
         self.free()
 
 
-_SINKS: dict[str, list[str]] = {}
+_SINKS: weakref.WeakValueDictionary[str, Messages] = weakref.WeakValueDictionary()
 
 
 @fmpy.fmi2.fmi2CallbackLoggerTYPE  # type: ignore[untyped-decorator]
@@ -310,18 +313,11 @@ _CALLBACKS.logger = _log
 class Fmi2Instance(FmuInstance):
     """One instance of an FMU 2.0."""
 
-    PREFIX = "fmi2"
-    SLAVE = fmpy.fmi2.FMU2Slave
-    C_TYPES: ClassVar = {
-        "Real": ("Real", ctypes.c_double),
-        "Integer": ("Integer", ctypes.c_int),
-        "Enumeration": ("Integer", ctypes.c_int),
-        "Boolean": ("Boolean", ctypes.c_int),
-    }
+    FMI, SLAVE, PREFIX = fmpy.fmi2, fmpy.fmi2.FMU2Slave, "fmi2"
+    ENUMERATION = "Integer"
 
     def _instantiate(self) -> None:
         _SINKS[self._name] = self.messages
-        weakref.finalize(self, _SINKS.pop, self._name, None)
         # FMPy's proxy, which fills in the printf arguments of a message, has one logger for the
         # whole process, the last that was announced. So ours lives as long as the process, sorts by
         # the instance's name, hands on what is not ours, and is announced anew each time.
@@ -344,19 +340,8 @@ class Fmi3Instance(FmuInstance):
     it. That an event would need handling is no error without event mode.
     """
 
-    PREFIX = "fmi3"
-    SLAVE = fmpy.fmi3.FMU3Slave
-    C_TYPES: ClassVar = {
-        "Float64": ("Float64", ctypes.c_double),
-        "Float32": ("Float32", ctypes.c_float),
-        "Enumeration": ("Int64", ctypes.c_int64),
-        "Boolean": ("Boolean", ctypes.c_bool),
-        **{
-            f"{sign}Int{bits}": (f"{sign}Int{bits}", getattr(ctypes, f"c_{sign.lower()}int{bits}"))
-            for sign in ("", "U")
-            for bits in (8, 16, 32, 64)
-        },
-    }
+    FMI, SLAVE, PREFIX = fmpy.fmi3, fmpy.fmi3.FMU3Slave, "fmi3"
+    ENUMERATION = "Int64"
 
     def _instantiate(self) -> None:
         messages = self.messages
