@@ -92,7 +92,7 @@ def render(
         pictures=pictures,
         size=plots.SIZE,
         orders=[
-            (order, slope(list(order.tolerances), list(order.errors)), plots.draw_order(order, n))
+            (order, slope(order.tolerances, order.errors), plots.draw_order(order, n))
             for n, order in enumerate(verdict.orders)
         ],
         shown=_shown(pictures, failures),

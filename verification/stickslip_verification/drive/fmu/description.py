@@ -9,8 +9,9 @@ import xml.etree.ElementTree as ElementTree
 import zipfile
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass
+from operator import attrgetter
 from pathlib import Path
-from typing import Any, Final, TypeAlias
+from typing import Final, TypeAlias
 
 import fmpy
 import fmpy.model_description
@@ -139,6 +140,8 @@ _LETTERS: Final = 40
 
 _PLACES: Final = (("VendorAnnotations/Tool", "name"), ("Annotations/Annotation", "type"))
 
+_DIMENSION = attrgetter("kg", "m", "s", "A", "K", "mol", "cd", "rad")
+
 _MOST_PROBLEMS, _LONGEST_PROBLEM = 100, 1000
 
 _MOST_LISTED, _LONGEST_TEXT = 8, 40
@@ -246,7 +249,12 @@ def read_description(path: Path) -> Description:
         can_serialize_state=interface.canSerializeFMUstate,
         once_per_process=interface.canBeInstantiatedOnlyOncePerProcess,
         declared={each.name: each for each in read.modelVariables},
-        units={each.name: unit for each in read.unitDefinitions if (unit := _defined(each))},
+        units={
+            each.name: unit
+            for each in read.unitDefinitions
+            if (base := each.baseUnit) is not None
+            if (unit := defined(base.factor, base.offset, _DIMENSION(base))) is not None
+        },
         experiment={
             name: text
             for name, theirs in spelled.items()
@@ -268,14 +276,6 @@ def _check(path: Path, root: ElementTree.Element) -> None:
         others = [text for tag, text in kinds.items() if root.find(tag) is not None]
         has = f", only {' and '.join(others)}" if others else ""
         raise FmuError(f"{path}: has no co-simulation interface{has}")
-
-
-def _defined(entry: Any) -> Unit | None:
-    base = entry.baseUnit
-    if base is None:
-        return None
-    dimension = (base.kg, base.m, base.s, base.A, base.K, base.mol, base.cd, base.rad)
-    return defined(base.factor, base.offset, dimension)
 
 
 def stated_contract(root: ElementTree.Element) -> StatedContract:

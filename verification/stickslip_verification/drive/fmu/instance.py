@@ -102,11 +102,7 @@ class FmuInstance(contextlib.AbstractContextManager["FmuInstance"]):
         self.file = fmu
         self.messages = Messages()
         self._name = f"{fmu.model_identifier}-{next(_COUNTER)}"
-        self._untouched = frozenset(
-            name
-            for name, variable in fmu.variables.items()
-            if variable.kind in FLOATING and variable.conversion.leaves_alone
-        )
+
         self._gone = False
         try:
             # FMPy stays in the folder of the library if it cannot be loaded.
@@ -137,11 +133,7 @@ class FmuInstance(contextlib.AbstractContextManager["FmuInstance"]):
 
     def step(self, time: float, h: float) -> None:
         """Step from the communication point `time` [s] by `h` [s]."""
-        try:
-            self._step(time, h)
-        except fmpy.fmi1.FMICallException as error:
-            call = f"{self.PREFIX}DoStep(t = {time!r}, h = {h!r})"
-            raise self._failure(call, error) from None
+        self._do(f"{self.PREFIX}DoStep(t = {time!r}, h = {h!r})", self._step, time, h)
 
     def _failure(self, call: str, error: Exception) -> FmuError:
         said = " ".join(self.messages[-1].split()) if self.messages else "without a message"
@@ -177,8 +169,7 @@ class FmuInstance(contextlib.AbstractContextManager["FmuInstance"]):
         def write(values: Sequence[float]) -> None:
             for kind, places, buffer, arguments in groups:
                 for index, place in enumerate(places):
-                    name, value = names[place], values[place]
-                    buffer[index] = value if name in self._untouched else self._theirs(name, value)
+                    buffer[index] = self._theirs(names[place], values[place])
                 call = f"{self.PREFIX}Set{kind}"
                 try:
                     getattr(self._slave, call)(*arguments)
@@ -217,8 +208,7 @@ class FmuInstance(contextlib.AbstractContextManager["FmuInstance"]):
 
     def _theirs(self, name: str, value: float) -> float:
         variable = self.file.variables[name]
-        change = variable.conversion
-        number = value if change.leaves_alone else change.from_si(value)
+        number = variable.conversion.from_si(value)
         if variable.kind in FLOATING:
             return number
         c_type = self._c_type(self._kind(variable))

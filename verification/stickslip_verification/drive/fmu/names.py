@@ -201,5 +201,4 @@ def as_ours(
 def _start(text: str | None, change: Conversion) -> float | None:
     if text is None:
         return None
-    number = float(text) if text not in {"true", "false"} else float(text == "true")
-    return number if change.leaves_alone else change.to_si(number)
+    return change.to_si(float(text == "true") if text in {"true", "false"} else float(text))
