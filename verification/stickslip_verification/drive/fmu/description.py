@@ -7,7 +7,7 @@ import re
 import tempfile
 import xml.etree.ElementTree as ElementTree
 import zipfile
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from operator import attrgetter
 from pathlib import Path
@@ -50,21 +50,26 @@ def check_size(path: Path) -> None:
     """Refuse an FMU that unpacks, by what it says, to more than the limits; `FmuError`."""
     with zipfile.ZipFile(path) as archive:
         entries = archive.infolist()
+    for excess in _excesses(entries, path.stat().st_size):
+        raise FmuError(f"{path}: {excess}")
+
+
+def _excesses(entries: Sequence[zipfile.ZipInfo], packed: int) -> Iterator[str]:
     total = sum(entry.file_size for entry in entries)
+    grows = f"more than {MOST_RATIO} times its packed size"
     if len(entries) > MOST_FILES:
-        raise FmuError(f"{path}: has {len(entries)} files; at most {MOST_FILES} are unpacked")
+        yield f"has {len(entries)} files; at most {MOST_FILES} are unpacked"
     if total > MOST_UNPACKED:
-        most = _mb(MOST_UNPACKED)
-        raise FmuError(f"{path}: unpacks to {_mb(total)}; at most {most} are unpacked")
+        yield f"unpacks to {_mb(total)}; at most {_mb(MOST_UNPACKED)} are unpacked"
     for entry in entries:
-        if entry.filename == DESCRIPTION and entry.file_size > MOST_DESCRIBED:
-            size, most = _mb(entry.file_size), _mb(MOST_DESCRIBED)
-            raise FmuError(f"{path}: {DESCRIPTION} has {size}; at most {most} are read")
-        if entry.file_size > max(FREE, MOST_RATIO * entry.compress_size):
-            raise _grows(path, f"its file {entry.filename!r}", entry.file_size)
+        name, size = entry.filename, entry.file_size
+        if name == DESCRIPTION and size > MOST_DESCRIBED:
+            yield f"{name} has {_mb(size)}; at most {_mb(MOST_DESCRIBED)} are read"
+        if size > max(FREE, MOST_RATIO * entry.compress_size):
+            yield f"its file {name!r} unpacks to {_mb(size)}, {grows}"
     # Packed files may overlap, but the archive has no more bytes than it has.
-    if total > max(FREE_IN_ALL, MOST_RATIO * path.stat().st_size):
-        raise _grows(path, "it", total)
+    if total > max(FREE_IN_ALL, MOST_RATIO * packed):
+        yield f"it unpacks to {_mb(total)}, {grows}"
 
 
 def unpack(path: Path, folder: Path) -> None:
@@ -92,12 +97,6 @@ def new_folder() -> Path:
     raise FmuError(
         f"{usual}: FMUs made with pythonfmu cannot be unpacked in a folder of this name; "
         "set TMPDIR to one with letters of ASCII and digits"
-    )
-
-
-def _grows(path: Path, what: str, size: int) -> FmuError:
-    return FmuError(
-        f"{path}: {what} unpacks to {_mb(size)}, more than {MOST_RATIO} times its packed size"
     )
 
 
