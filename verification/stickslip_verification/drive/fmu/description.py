@@ -11,7 +11,7 @@ from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from operator import attrgetter
 from pathlib import Path
-from typing import Final, TypeAlias
+from typing import Any, Final, TypeAlias
 
 import fmpy
 import fmpy.model_description
@@ -157,9 +157,8 @@ class StatedContract:
     told: str
 
 
-@dataclass(eq=False)
 class Description:
-    """What the model description of an FMU says.
+    """What the model description of an FMU says; `FmuError` for what is none for co-simulation.
 
     ``token`` is its guid or instantiation token, ``declared`` its variables by its own names,
     ``units`` those that it defines by SI base units, ``experiment`` start, stop and step of its
@@ -167,17 +166,29 @@ class Description:
     the FMI standard, if it can be read all the same, ``stated`` the contract that it names.
     """
 
-    fmi_version: str
-    token: str
-    model_identifier: str
-    can_get_and_set_state: bool
-    can_serialize_state: bool
-    once_per_process: bool
-    declared: Mapping[str, Declared]
-    units: Mapping[str, Unit]
-    experiment: Mapping[str, str]
-    problems: tuple[str, ...]
-    stated: StatedContract
+    def __init__(self, path: Path) -> None:
+        root, read, self.problems = _read(path)
+        interface, experiment = read.coSimulation, read.defaultExperiment
+        self.fmi_version: str = read.fmiVersion[:3]
+        self.token: str = read.guid
+        self.model_identifier: str = interface.modelIdentifier
+        self.can_get_and_set_state: bool = interface.canGetAndSetFMUstate
+        self.can_serialize_state: bool = interface.canSerializeFMUstate
+        self.once_per_process: bool = interface.canBeInstantiatedOnlyOncePerProcess
+        self.declared: Mapping[str, Declared] = {each.name: each for each in read.modelVariables}
+        self.units: Mapping[str, Unit] = {
+            each.name: unit
+            for each in read.unitDefinitions
+            if (base := each.baseUnit) is not None
+            if (unit := defined(base.factor, base.offset, _DIMENSION(base))) is not None
+        }
+        spelled = {"start_time": "startTime", "stop_time": "stopTime", "step": "stepSize"}
+        self.experiment: Mapping[str, str] = {
+            name: text
+            for name, theirs in spelled.items()
+            if (text := getattr(experiment, theirs, None)) is not None
+        }
+        self.stated = stated_contract(root)
 
     def listing(self, names: Collection[str]) -> str:
         """Return on one line what the FMU has, what is most like the names first, and how much."""
@@ -206,8 +217,8 @@ def shown(variable: Declared) -> str:
     return f"{variable.name}{unit}{f' ({text})' if text else ''}"
 
 
-def read_description(path: Path) -> Description:
-    """Read the model description of an FMU; `FmuError` for what is none for co-simulation."""
+def _read(path: Path) -> tuple[ElementTree.Element, Any, tuple[str, ...]]:
+    """Return the root of a model description, FMPy's record of it, and what it breaks of FMI."""
     if not path.exists():
         raise FmuError(f"{path}: no such file")
     if not (path.is_file() and zipfile.is_zipfile(path)):
@@ -238,30 +249,7 @@ def read_description(path: Path) -> Description:
     for each in read.modelVariables:
         each.unit = each.unit or (each.declaredType and each.declaredType.unit)
         each.description = " ".join((each.description or "").split())
-    interface, experiment = read.coSimulation, read.defaultExperiment
-    spelled = {"start_time": "startTime", "stop_time": "stopTime", "step": "stepSize"}
-    return Description(
-        fmi_version=read.fmiVersion[:3],
-        token=read.guid,
-        model_identifier=interface.modelIdentifier,
-        can_get_and_set_state=interface.canGetAndSetFMUstate,
-        can_serialize_state=interface.canSerializeFMUstate,
-        once_per_process=interface.canBeInstantiatedOnlyOncePerProcess,
-        declared={each.name: each for each in read.modelVariables},
-        units={
-            each.name: unit
-            for each in read.unitDefinitions
-            if (base := each.baseUnit) is not None
-            if (unit := defined(base.factor, base.offset, _DIMENSION(base))) is not None
-        },
-        experiment={
-            name: text
-            for name, theirs in spelled.items()
-            if (text := getattr(experiment, theirs, None)) is not None
-        },
-        problems=problems,
-        stated=stated_contract(root),
-    )
+    return root, read, problems
 
 
 def _check(path: Path, root: ElementTree.Element) -> None:

@@ -11,6 +11,7 @@ import shutil
 import weakref
 from abc import abstractmethod
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from functools import cache, cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar, Protocol
 
@@ -25,7 +26,6 @@ from stickslip_verification.drive.fmu.description import (
     FmuError,
     new_folder,
     one_line,
-    read_description,
     unpack,
 )
 from stickslip_verification.drive.fmu.names import UNITS, NameMap, Variable, collect
@@ -371,16 +371,13 @@ FACES: Mapping[str, type[FmuInstance]] = {"2.0": Fmi2Instance, "3.0": Fmi3Instan
 class Hooked(FmuInstance):
     """An instance whose reads pass `get`; a hook may keep attributes of its own on it."""
 
-    def __init__(self, fmu: Unpacked) -> None:
-        self._readers: dict[tuple[str, ...], Callable[[], list[float]]] = {}
-        super().__init__(fmu)
+    @cached_property
+    def _reader_of(self) -> Callable[[tuple[str, ...]], Callable[[], list[float]]]:
+        return cache(super().reader)
 
     def read(self, names: Sequence[str]) -> dict[str, float]:
         """Read variables from the FMU itself, past the planted `get`."""
-        key = tuple(names)
-        if key not in self._readers:
-            self._readers[key] = super().reader(key)
-        return dict(zip(key, self._readers[key](), strict=True))
+        return dict(zip(names, self._reader_of(tuple(names))(), strict=True))
 
     def get(self, names: Sequence[str]) -> dict[str, float]:
         """Read variables as the suite sees them."""
@@ -389,7 +386,7 @@ class Hooked(FmuInstance):
     def reader(self, names: Sequence[str]) -> Callable[[], list[float]]:
         """Return a function that reads these variables at once, in this order, in SI."""
         # It refuses a name that the FMU does not have.
-        super().reader(names)
+        self._reader_of(tuple(names))
 
         def read() -> list[float]:
             values = self.get(names)
@@ -434,7 +431,7 @@ class FmuFile(Description):
         *,
         own_starts: bool | None = None,
     ) -> None:
-        super().__init__(**vars(read_description(path)))
+        super().__init__(path)
         self.path = path
         self.names = NameMap() if names is None else names
         promised = self.stated.exact and not self.names.targets
@@ -445,6 +442,7 @@ class FmuFile(Description):
             raise FmuError(f"{path}: is not for this platform, {fmpy.platform}; it has {has}")
         self._face = hooked(FACES[self.fmi_version], hooks)
         self.variables: Mapping[str, Variable] = collect(path.name, self, self.names, UNITS)
+
         known = {variable.their_name for variable in self.variables.values()}
         self.extra_outputs = tuple(
             name
