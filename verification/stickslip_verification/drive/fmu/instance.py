@@ -125,15 +125,21 @@ class FmuInstance(contextlib.AbstractContextManager["FmuInstance"]):
     def _instantiate(self) -> None: ...
 
     @abstractmethod
-    def _step(self, time: float, h: float) -> None: ...
-
-    @abstractmethod
     def enter(self, start_time: float) -> None:
         """Enter initialization mode, time beginning at `start_time` [s]."""
 
     def step(self, time: float, h: float) -> None:
         """Step from the communication point `time` [s] by `h` [s]."""
-        self._do(f"{self.PREFIX}DoStep(t = {time!r}, h = {h!r})", self._step, time, h)
+        try:
+            flags = self._slave.doStep(time, h)
+        except fmpy.fmi1.FMICallException as error:
+            call = f"{self.PREFIX}DoStep(t = {time!r}, h = {h!r})"
+            raise self._failure(call, error) from None
+        # FMI 2.0 has no flags.
+        if flags and any(flags[1:3]):
+            did = "ends the simulation" if flags[1] else "returns early"
+            call = f"{self.file.path.name}: {self.PREFIX}DoStep(t = {time!r}, h = {h!r})"
+            raise FmuError(f"{call} {did} at t = {flags[3]!r}")
 
     def _failure(self, call: str, error: Exception) -> FmuError:
         said = " ".join(self.messages[-1].split()) if self.messages else "without a message"
@@ -319,9 +325,6 @@ class Fmi2Instance(FmuInstance):
         self._do("fmi2SetupExperiment", self._slave.setupExperiment, None, start_time)
         self._do("fmi2EnterInitializationMode", self._slave.enterInitializationMode)
 
-    def _step(self, time: float, h: float) -> None:
-        self._slave.fmi2DoStep(self._slave.component, time, h, 1)
-
 
 class Fmi3Instance(FmuInstance):
     """One instance of an FMU 3.0, without event mode and without early return.
@@ -341,27 +344,11 @@ class Fmi3Instance(FmuInstance):
                 messages.append(text.decode("utf-8", errors="replace"))
 
         self._slave.instantiate(loggingOn=True, logMessage=log)
-        self._event, self._terminate, self._early = (ctypes.c_bool() for _ in range(3))
-        self._reached = ctypes.c_double()
-        flags = (self._event, self._terminate, self._early, self._reached)
-        self._flags = tuple(ctypes.byref(flag) for flag in flags)
 
     def enter(self, start_time: float) -> None:
         """Enter initialization mode, time beginning at `start_time` [s]."""
         function = self._slave.enterInitializationMode
         self._do("fmi3EnterInitializationMode", function, None, start_time)
-
-    def _step(self, time: float, h: float) -> None:
-        # Wrappers leave untouched what they have nothing to say about.
-        self._terminate.value = self._early.value = False
-        self._reached.value = time + h
-        self._slave.fmi3DoStep(self._slave.component, time, h, True, *self._flags)
-        if self._terminate.value or self._early.value:
-            did = "ends the simulation" if self._terminate.value else "returns early"
-            raise FmuError(
-                f"{self.file.path.name}: fmi3DoStep(t = {time!r}, h = {h!r}) {did} "
-                f"at t = {self._reached.value!r}"
-            )
 
 
 FACES: Mapping[str, type[FmuInstance]] = {"2.0": Fmi2Instance, "3.0": Fmi3Instance}
