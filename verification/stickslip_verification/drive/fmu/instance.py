@@ -125,8 +125,11 @@ class FmuInstance(contextlib.AbstractContextManager["FmuInstance"]):
     def _instantiate(self) -> None: ...
 
     @abstractmethod
+    def _enter(self, start_time: float) -> None: ...
+
     def enter(self, start_time: float) -> None:
         """Enter initialization mode, time beginning at `start_time` [s]."""
+        self._do(self._enter, start_time)
 
     def step(self, time: float, h: float) -> None:
         """Step from the communication point `time` [s] by `h` [s]."""
@@ -148,11 +151,11 @@ class FmuInstance(contextlib.AbstractContextManager["FmuInstance"]):
         reason = f"status {_MEANING[status]}" if status in _MEANING else one_line(error)
         return FmuError(f"{self.file.path.name}: {call} failed: {said} ({reason})")
 
-    def _do(self, call: str, function: Callable[..., Any], *arguments: object) -> Any:
+    def _do(self, function: Callable[..., Any], *arguments: object) -> Any:
         try:
             return function(*arguments)
         except fmpy.fmi1.FMICallException as error:
-            raise self._failure(call, error) from None
+            raise self._failure(error.function, error) from None
 
     def start(self, values: Mapping[str, float], start_time: float = 0.0) -> None:
         """Set `values`, begin at `start_time` [s] and go through initialization mode."""
@@ -162,7 +165,7 @@ class FmuInstance(contextlib.AbstractContextManager["FmuInstance"]):
 
     def leave(self) -> None:
         """Leave initialization mode."""
-        self._do(f"{self.PREFIX}ExitInitializationMode", self._slave.exitInitializationMode)
+        self._do(self._slave.exitInitializationMode)
 
     def set(self, values: Mapping[str, float]) -> None:
         """Set variables by name; `FmuError` for one that the FMU does not have."""
@@ -227,7 +230,7 @@ class FmuInstance(contextlib.AbstractContextManager["FmuInstance"]):
     def reader(self, names: Sequence[str]) -> Callable[[], list[float]]:
         """Return a function that reads these variables at once, in this order, in SI."""
         groups = [
-            (call := f"{self.PREFIX}Get{kind}", getattr(self._slave, call), *group)
+            (getattr(self._slave, f"{self.PREFIX}Get{kind}"), *group)
             for kind, *group in self._groups(names)
         ]
         converted = [
@@ -238,8 +241,8 @@ class FmuInstance(contextlib.AbstractContextManager["FmuInstance"]):
 
         def read() -> list[float]:
             values = [0.0] * len(names)
-            for call, get, places, buffer, arguments in groups:
-                self._do(call, get, *arguments)
+            for get, places, buffer, arguments in groups:
+                self._do(get, *arguments)
                 for place, value in zip(places, buffer, strict=True):
                     values[place] = float(value)
             for place, to_si in converted:
@@ -250,32 +253,32 @@ class FmuInstance(contextlib.AbstractContextManager["FmuInstance"]):
 
     def get_state(self) -> State:
         """Have the FMU keep its state."""
-        state: State = self._do("get FMU state", self._slave.getFMUState)
+        state: State = self._do(self._slave.getFMUState)
         return state
 
     def set_state(self, state: State) -> None:
         """Go back to a state, which stays valid."""
-        self._do("set FMU state", self._slave.setFMUState, state)
+        self._do(self._slave.setFMUState, state)
 
     def free_state(self, state: State) -> None:
         """Let the FMU forget a state."""
-        self._do("free FMU state", self._slave.freeFMUState, state)
+        self._do(self._slave.freeFMUState, state)
 
     def written(self, state: State) -> bytes:
         """Write a state as bytes and free it."""
-        written: bytes = self._do("serialize FMU state", self._slave.serializeFMUState, state)
+        written: bytes = self._do(self._slave.serializeFMUState, state)
         self.free_state(state)
         return written
 
     def restore(self, written: bytes) -> None:
         """Go back to a state that this instance, or another of this FMU, wrote as bytes."""
-        state = self._do("deserialize FMU state", self._slave.deserializeFMUState, written)
+        state = self._do(self._slave.deserializeFMUState, written)
         self.set_state(state)
         self.free_state(state)
 
     def reset(self) -> None:
         """Back to the state after instantiation."""
-        self._do(f"{self.PREFIX}Reset", self._slave.reset)
+        self._do(self._slave.reset)
         self._gone = False
 
     def free(self) -> None:
@@ -320,10 +323,9 @@ class Fmi2Instance(FmuInstance):
         fmpy.logging.addLoggerProxy(ctypes.byref(_CALLBACKS))
         self._slave.instantiate(callbacks=_CALLBACKS, loggingOn=True)
 
-    def enter(self, start_time: float) -> None:
-        """Enter initialization mode, time beginning at `start_time` [s]."""
-        self._do("fmi2SetupExperiment", self._slave.setupExperiment, None, start_time)
-        self._do("fmi2EnterInitializationMode", self._slave.enterInitializationMode)
+    def _enter(self, start_time: float) -> None:
+        self._slave.setupExperiment(None, start_time)
+        self._slave.enterInitializationMode()
 
 
 class Fmi3Instance(FmuInstance):
@@ -345,10 +347,8 @@ class Fmi3Instance(FmuInstance):
 
         self._slave.instantiate(loggingOn=True, logMessage=log)
 
-    def enter(self, start_time: float) -> None:
-        """Enter initialization mode, time beginning at `start_time` [s]."""
-        function = self._slave.enterInitializationMode
-        self._do("fmi3EnterInitializationMode", function, None, start_time)
+    def _enter(self, start_time: float) -> None:
+        self._slave.enterInitializationMode(None, start_time)
 
 
 FACES: Mapping[str, type[FmuInstance]] = {"2.0": Fmi2Instance, "3.0": Fmi3Instance}
