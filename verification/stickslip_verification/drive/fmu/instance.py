@@ -200,27 +200,25 @@ class FmuInstance(contextlib.AbstractContextManager["FmuInstance"]):
             raise FmuError(f"{self.file.path.name}: has no variable {', '.join(missing)}")
         variables = [self.file.variables[name] for name in names]
         kinds = [self._kind(variable) for variable in variables]
-        for kind in dict.fromkeys(kinds):
-            places = [place for place, other in enumerate(kinds) if other == kind]
+        for kind, c_type in dict.fromkeys(kinds):
+            places = [place for place, other in enumerate(kinds) if other[0] == kind]
             count = len(places)
             references = (ctypes.c_uint * count)(*(variables[i].reference for i in places))
-            buffer = (self._c_type(kind) * count)()
+            buffer = (c_type * count)()
             sizes = (count,) if self.PREFIX == "fmi3" else ()
             arguments = (self._slave.component, references, count, buffer, *sizes)
             yield kind, places, buffer, arguments
 
-    def _kind(self, variable: Variable) -> str:
-        return self.ENUMERATION if variable.kind == "Enumeration" else variable.kind
-
-    def _c_type(self, kind: str) -> Any:
-        return getattr(self.FMI, f"{self.PREFIX}{kind}")
+    def _kind(self, variable: Variable) -> tuple[str, Any]:
+        kind = self.ENUMERATION if variable.kind == "Enumeration" else variable.kind
+        return kind, getattr(self.FMI, f"{self.PREFIX}{kind}")
 
     def _theirs(self, name: str, value: float) -> float:
         variable = self.file.variables[name]
         number = variable.conversion.from_si(value)
         if variable.kind in FLOATING:
             return number
-        c_type = self._c_type(self._kind(variable))
+        _, c_type = self._kind(variable)
         # A C integer that is too small for the number would silently hold another one.
         if not float(number).is_integer() or c_type(int(number)).value != number:
             label = self.file.path.name
