@@ -125,10 +125,9 @@ def draw_sequences(
     half as many again.
     """
     counts: Counter[Cell] = Counter()
-    reachable = [cell for cell in CELLS if scope.hindrance(cell) is None]
     drawn: list[RandomSequence] = []
     for number in range(count + count // 2 if count >= COUNT else count):
-        if number >= count and all(counts[cell] for cell in reachable):
+        if number >= count and not empty_cells(drawn, scope):
             break
         drawn.append(_draw(seed, number, counts, scope))
         counts.update(drawn[-1].cells)
