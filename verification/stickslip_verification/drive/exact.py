@@ -99,11 +99,9 @@ def spreads(case: Case) -> dict[str, Series]:
     widest_of = {
         name: np.zeros((len(OFF), samples.size)) for name, samples in plain.outputs.items()
     }
-    for row, part in enumerate(OFF):
+    for row in range(0, len(OFF), 2 if marched else 1):
         for n in range(FEW if marched else MOTIONS):
-            if marched and row % 2:
-                break
-            run = _follow(case, *_off(case, Random(f"{case.id} {n}"), part, force, speed))
+            run = _follow(case, *_off(case, Random(f"{case.id} {n}"), OFF[row], force, speed))
             for name, widest in widest_of.items():
                 off = np.abs(run.outputs[name] - plain.outputs[name])
                 widest[row] = np.fmax(widest[row], off)
@@ -113,12 +111,12 @@ def spreads(case: Case) -> dict[str, Series]:
 def changes(case: Case) -> dict[str, dict[str, Series]]:
     """Return what each parameter that a case gives a value moves of `MOTION`, for a part of it."""
     plain = shifted(case, "", 0.0)
-    values = {**{n: 0.0 for step in case.steps for n in step.changes}, **case.start}
+    settings = [*(step.changes for step in case.steps), case.start]
     chosen = {each.name for each in case.own if each.chosen}
     moved = {}
-    for name in values:
-        all_values = [values[name], *(step.changes.get(name, 0.0) for step in case.steps)]
-        if any(all_values) and name not in chosen and not name.endswith("_start"):
+    for name in dict.fromkeys(name for values in settings for name in values):
+        is_zero = not any(values.get(name) for values in settings)
+        if not (is_zero or name in chosen or name.endswith("_start")):
             with contextlib.suppress(ValueError):
                 run = shifted(case, name, PART)
                 moved[name] = {
@@ -191,12 +189,7 @@ def run_reference(case: Case) -> Run:
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")
         trajectory = simulate_reference(case)
-    columns = {}
-    for name in OUTPUT_NAMES:
-        samples = getattr(trajectory, "mode" if name == "sticking" else name, None)
-        if samples is not None:
-            values = np.broadcast_to(np.asarray(samples, dtype=np.float64), times.shape)
-            columns[name] = np.where(values == 0, 1.0, 0.0) if name == "sticking" else values
+    columns = {name: np.asarray(getattr(trajectory, name), np.float64) for name in OUTPUT_NAMES}
     return Run(
         times=times[1:],
         outputs={name: samples[1:] for name, samples in columns.items()},
@@ -253,12 +246,12 @@ def observe(case: Case, invariant: Order) -> ObservedOrder:
         quantity=invariant.quantity,
         tolerances=tolerances,
         errors=errors,
-        orders=[slope([a[0], b[0]], [a[1], b[1]]) for a, b in pairs],
+        orders=[slope(*zip(*pair, strict=True)) for pair in pairs],
         expected=invariant.order,
     )
 
 
-def slope(tolerances: list[float], errors: list[float]) -> float:
+def slope(tolerances: Sequence[float], errors: Sequence[float]) -> float:
     """Fit the slope of log error over log tolerance; NaN where an error is zero or not finite."""
     if not all(0.0 < error < math.inf for error in errors):
         return math.nan
@@ -267,7 +260,7 @@ def slope(tolerances: list[float], errors: list[float]) -> float:
 
 def halves(order: ObservedOrder) -> float:
     """Return the slope of the coarser half of the levels less that of the finer half."""
-    tolerances, errors = list(order.tolerances), list(order.errors)
+    tolerances, errors = order.tolerances, order.errors
     middle = len(errors) // 2
     coarser = slope(tolerances[: middle + 1], errors[: middle + 1])
     return coarser - slope(tolerances[middle:], errors[middle:])

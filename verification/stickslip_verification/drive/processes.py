@@ -125,7 +125,7 @@ class Worker:
         context = fast_context()
         self.connection, theirs = context.Pipe()
         self._process = context.Process(  # type: ignore[attr-defined]  # typeshed leaves it out
-            target=_serve, args=(theirs, begin, arguments, memory, folder)
+            target=_serve, args=(theirs, memory, folder, begin, *arguments)
         )
         self._process.start()
         # With a copy here, the end of the process would not end the connection.
@@ -181,11 +181,7 @@ class Worker:
 
 
 def _serve(
-    connection: Connection,
-    begin: Task,
-    arguments: tuple[Any, ...],
-    memory: int | None,
-    folder: Path | None,
+    connection: Connection, memory: int | None, folder: Path | None, begin: Task, *arguments: Any
 ) -> None:
     # Ctrl-C is for the process that asks.
     signal.signal(signal.SIGINT, signal.SIG_IGN)

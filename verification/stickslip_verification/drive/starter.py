@@ -23,7 +23,7 @@ import numpy as np
 from scipy.optimize import linear_sum_assignment
 
 from stickslip_verification.drive import workers
-from stickslip_verification.drive.fmu.description import Declared, FmuError, read_description, shown
+from stickslip_verification.drive.fmu.description import Declared, Description, FmuError, shown
 from stickslip_verification.drive.fmu.instance import FLOATING, REQUIRED
 from stickslip_verification.drive.fmu.names import (
     INPUT_UNITS,
@@ -130,7 +130,7 @@ def starter(fmu: Path) -> str:
     It loads back with `load_names` where it has an entry at all, and the FMU opens with it.
     `FmuError` if it is none.
     """
-    description = read_description(fmu)
+    description = Description(fmu)
     theirs, units = description.declared, description.units
     fitting = [_candidate(ours, each, units) for ours in UNITS for each in theirs.values()]
     scores = {v: _likeness(v.name, theirs[v.their_name]) for v in fitting if v}

@@ -15,7 +15,7 @@ from dataclasses import dataclass
 from functools import cache, partial
 from multiprocessing.connection import wait
 from pathlib import Path
-from typing import Any, Self, TypeVar
+from typing import Any, TypeVar
 
 from stickslip_verification.drive import exact as motions
 from stickslip_verification.drive.exact import kept
@@ -77,11 +77,10 @@ changes = partial(kept, motions.changes)
 observed_order = partial(kept, motions.observe)
 
 
-def open_fmu() -> bool:
-    """Open the FMU of this process; whether that is possible."""
+def open_fmu() -> None:
+    """Open the FMU of this process, if it can be opened."""
     with contextlib.suppress(FmuError):
-        return _fmu() is not None
-    return False
+        _fmu()
 
 
 def plain_run(case: Case) -> Run:
@@ -126,7 +125,7 @@ class _Task:
         return time.monotonic() - self.begun
 
 
-class Pool:
+class Pool(contextlib.AbstractContextManager["Pool"]):
     """A few processes, `jobs` at most, that work through tasks while an answer is waited for.
 
     Leaving the `with` block ends whatever still runs, and what an FMU left behind. A task may take
@@ -166,9 +165,6 @@ class Pool:
         self._waiting.extend(tasks)
         return map(self._answer, tasks)
 
-    def __enter__(self) -> Self:
-        return self
-
     def __exit__(self, *_: object) -> None:
         for worker in (*self._idle, *self._busy):
             worker.end()
@@ -177,13 +173,11 @@ class Pool:
     def _answer(self, task: _Task) -> Answer[Any]:
         while task.answer is None and not self._over:
             self._work()
-        if task.answer is None:
-            failure = (
-                f"{NOT_MADE}: runs without a result took {self._budget:g} s, all that the FMU has "
-                "for them; --budget gives more"
-            )
-            return Answer(failure=failure, late=True)
-        return task.answer
+        failure = (
+            f"{NOT_MADE}: runs without a result took {self._budget:g} s, all that the FMU has "
+            "for them; --budget gives more"
+        )
+        return task.answer or Answer(failure=failure, late=True)
 
     def _work(self) -> None:
         """Have processes begin what is waiting, wait for one, and end those without time left."""

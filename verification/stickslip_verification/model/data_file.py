@@ -7,7 +7,7 @@ document. What fields ask of one another is a table of the model: `Written`.
 import re
 import secrets
 import tomllib
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import dataclass, fields, is_dataclass
 from functools import cache, lru_cache
@@ -278,9 +278,7 @@ def _has(data: Any, place: Place) -> bool:
     return True
 
 
-@cache
-def _adapter(shape: Any) -> TypeAdapter[Any]:
-    return TypeAdapter(shape)
+_adapter: Callable[[Any], TypeAdapter[Any]] = cache(TypeAdapter)
 
 
 def fault_of(error: tomllib.TOMLDecodeError, text: str) -> tuple[int, str]:

@@ -76,15 +76,10 @@ def events_between(samples: NDArray[np.void], v: float) -> tuple[tuple[Event, ..
     """
     first = samples[0]
     # What an unseen or an unfinished slip began from: the first sample.
-    origin = Event(
-        float(first["time"]), Transition.BREAK_AWAY, int(first["mode"]), float(first["x"]), 0.0
-    )
+    origin = _event(first, float(first["time"]), Transition.BREAK_AWAY, float(first["x"]), v)
+    events = [origin] if first["mode"] != 0 and first["x_dot"] == 0.0 else []
     previous: Event | None = origin
-    events: list[Event] = []
     hidden = 0
-    if first["mode"] != 0 and first["x_dot"] == 0.0:
-        previous = _event(first, origin.time, Transition.BREAK_AWAY, origin.x, v)
-        events.append(previous)
     changed = np.flatnonzero(
         (np.diff(samples["t_event"]) != 0.0) | (np.diff(samples["n_slips"]) != 0)
     )

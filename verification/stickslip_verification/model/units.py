@@ -84,6 +84,12 @@ UNIT_PREFIXES: Mapping[str, Fraction] = {
 }
 """Factors of the prefixes, by symbol."""
 
+_BY_SYMBOL: Mapping[str, tuple[Fraction, Dimension]] = {
+    prefix + symbol: (factor * of_unit, dimension)
+    for prefix, factor in UNIT_PREFIXES.items()
+    for symbol, (of_unit, dimension) in UNITS_WITH_PREFIX.items()
+} | {**UNITS_WITH_PREFIX, **UNITS_ALONE}
+
 _FACTOR = re.compile(
     r"(?P<symbol>1|%|[^\W\d_²³]+)(?:(?:\^|\*\*)?(?P<power>[+-]?\d{1,2})|(?P<raised>[²³]))?"
 )
@@ -110,19 +116,13 @@ def spelled(text: str, *, all_below: bool = False) -> Unit | None:
     parts += [(part, -1) for part in lower] if slash else []
     for part, side in parts:
         match = _FACTOR.fullmatch(part)
-        base = _base(match["symbol"]) if match else None
+        base = _BY_SYMBOL.get(match["symbol"]) if match else None
         if match is None or base is None:
             return None
         times = side * int(match["power"] or _RAISED.get(match["raised"], 1))
         factor *= base[0] ** times
         dimension = tuple(p + times * q for p, q in zip(dimension, base[1], strict=True))
     return Unit(factor, Fraction(0), dimension)
-
-
-def _base(symbol: str) -> tuple[Fraction, Dimension] | None:
-    prefix, rest = UNIT_PREFIXES.get(symbol[0]), UNITS_WITH_PREFIX.get(symbol[1:])
-    alone = UNITS_ALONE.get(symbol) or UNITS_WITH_PREFIX.get(symbol)
-    return alone or (None if prefix is None or rest is None else (prefix * rest[0], rest[1]))
 
 
 def defined(factor: float, offset: float, dimension: Dimension) -> Unit | None:

@@ -67,7 +67,7 @@ def as_junit(verdict: Verdict) -> str:
     root = ET.Element("testsuites", name="stickslip verify")
     cases: dict[str, ET.Element] = {}
     for result in verdict.checks:
-        case = _clean(result.case or ABOUT_THE_FMU)
+        case = result.case or ABOUT_THE_FMU
         if case not in cases:
             cases[case] = ET.SubElement(root, "testsuite", name=case)
         _add(cases[case], result)
@@ -77,7 +77,9 @@ def as_junit(verdict: Verdict) -> str:
             suite.set(attribute, str(len(list(suite.iter(tag)))))
         suite.set("errors", "0")
     ET.indent(root)
-    return '<?xml version="1.0" encoding="UTF-8"?>\n' + ET.tostring(root, encoding="unicode") + "\n"
+    # An FMU's message may contain what XML cannot hold.
+    text = _NOT_IN_XML.sub("\N{REPLACEMENT CHARACTER}", ET.tostring(root, encoding="unicode"))
+    return f'<?xml version="1.0" encoding="UTF-8"?>\n{text}\n'
 
 
 def _add_verdict(root: ET.Element, verdict: Verdict) -> None:
@@ -93,15 +95,15 @@ def _add_verdict(root: ET.Element, verdict: Verdict) -> None:
     suite = ET.SubElement(root, "testsuite", name=THE_VERDICT)
     properties = ET.SubElement(suite, "properties")
     for name, value in (("contract", verdict.contract.name), ("why", verdict.contract.why)):
-        ET.SubElement(properties, "property", name=name, value=_clean(value))
+        ET.SubElement(properties, "property", name=name, value=value)
     for name, reason in rows.items():
-        test = ET.SubElement(suite, "testcase", classname=THE_VERDICT, name=_clean(name))
+        test = ET.SubElement(suite, "testcase", classname=THE_VERDICT, name=name)
         if reason:
-            ET.SubElement(test, "failure", type="verdict", message=_clean(reason))
+            ET.SubElement(test, "failure", type="verdict", message=reason)
 
 
 def _add(suite: ET.Element, result: CheckResult) -> None:
-    name = _clean(f"{result.check} ({SIDES[result.side]})")
+    name = f"{result.check} ({SIDES[result.side]})"
     test = ET.SubElement(suite, "testcase", classname=suite.attrib["name"], name=name)
     numbers = (
         f"quantity: {result.quantity} [{result.unit}]\n"
@@ -113,15 +115,9 @@ def _add(suite: ET.Element, result: CheckResult) -> None:
         f"kind of truth: {KINDS[result.truth]}\n"
     )
     if result.not_applicable is not None:
-        ET.SubElement(test, "skipped", message=_clean(result.not_applicable))
+        ET.SubElement(test, "skipped", message=result.not_applicable)
     elif result.failed:
-        said = _clean(story(result))
-        ET.SubElement(test, "failure", type=result.truth, message=said).text = _clean(numbers)
+        ET.SubElement(test, "failure", type=result.truth, message=story(result)).text = numbers
     elif result.verdict == Outcome.NOTED:
         said = f"noted, does not decide: {story(result)}\n{numbers}"
-        ET.SubElement(test, "system-out").text = _clean(said)
-
-
-def _clean(text: str) -> str:
-    """Replace what XML cannot hold: an FMU's message may contain anything."""
-    return _NOT_IN_XML.sub("\N{REPLACEMENT CHARACTER}", text)
+        ET.SubElement(test, "system-out").text = said

@@ -37,6 +37,7 @@ ITSELF = "The FMU itself"  # the group of what is checked on the FMU and not on 
 SEQUENCES = "Random sequences"
 """The group of the random sequences, of which the page shows those that did not pass."""
 Numbered = tuple[int, CheckResult]  # a result and its number in the verdict
+_FIRST = {Outcome.FAIL: 0, Outcome.NOTED: 1}  # the place of results in a case; the others follow
 
 
 class FailedCheck(NamedTuple):
@@ -92,7 +93,7 @@ def render(
         pictures=pictures,
         size=plots.SIZE,
         orders=[
-            (order, slope(list(order.tolerances), list(order.errors)), plots.draw_order(order, n))
+            (order, slope(order.tolerances, order.errors), plots.draw_order(order, n))
             for n, order in enumerate(verdict.orders)
         ],
         shown=_shown(pictures, failures),
@@ -191,7 +192,7 @@ def _groups(verdict: Verdict) -> list[Group]:
         group = CaseGroup.SETTINGS if motion is None else motion.group
         name = SEQUENCES if case.startswith(SEQUENCE) else group if case else ITSELF
         failed = any(result.failed for _, result in of_case)
-        ordered = sorted(of_case, key=_later)
+        ordered = sorted(of_case, key=lambda numbered: _FIRST.get(numbered[1].verdict, 2))
         groups[name].append(CaseResults(case, motion, ordered, failed))
     return [
         Group(
@@ -206,11 +207,6 @@ def _groups(verdict: Verdict) -> list[Group]:
         for name, cases in groups.items()
         if cases
     ]
-
-
-def _later(numbered: Numbered) -> int:
-    result = numbered[1]
-    return 0 if result.failed else 1 if result.verdict == Outcome.NOTED else 2
 
 
 def _nearest(verdict: Verdict) -> list[Numbered]:

@@ -1,7 +1,7 @@
 """The pictures of the report as SVG: the motion of a case, and an observed order."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, Final
 
 import matplotlib as mpl
@@ -168,15 +168,17 @@ def _case(motion: Motion, tolerances: Mapping[str, float]) -> Figure:
         ).tolist()
         line = curve(motion)
         time, prefix = _scale(float(line.t[-1]), 0.1)
-        end = float(line.t[-1]) / time or 1.0
+        line = replace(line, t=line.t / time)
+        motion = replace(motion, exact=replace(motion.exact, times=motion.exact.times / time))
+        end = float(line.t[-1]) or 1.0
         # Single points at the ends stand free of the frame.
         panels[0].set_xlim(*((0.0, end) if line.joined else (-0.015 * end, 1.015 * end)))
         for panel in panels:
             panel.grid(visible=True, axis="y")
             panel.set_axisbelow(True)
-        _draw_positions(panels[0], motion, line, time)
-        _draw_force(panels[1], motion, line, time)
-        _draw_errors(panels[2], motion, tolerances, time)
+        _draw_positions(panels[0], motion, line)
+        _draw_force(panels[1], motion, line)
+        _draw_errors(panels[2], motion, tolerances)
         panels[2].set_xlabel(f"time  [{prefix}s]", loc="left", labelpad=2.0)
         said = _what_is_marked(motion, line)
         page.text(place["right"], 0.012, said, ha="right", fontsize=8.0, color=SOFT)
@@ -218,20 +220,19 @@ def _course_tolerances(checks: Sequence[CheckResult], case: str) -> dict[str, fl
     }
 
 
-def _draw_positions(panel: Axes, motion: Motion, line: Curve, time: float) -> None:
+def _draw_positions(panel: Axes, motion: Motion, line: Curve) -> None:
     length, name = _scale(float(np.max(np.abs([line.x, line.x_pull]))))
     panel.set_ylabel(f"position  [{name}m]")
     _range(panel, np.concatenate((line.x, line.x_pull)) / length)
-    _draw_line(panel, line, line.x_pull / length, time, GREY, 1.0, "x_pull")
-    _draw_line(panel, line, line.x / length, time, INK, 1.6, "x, exact")
-    _mark_sides(panel, motion, "x", length, time)
+    _draw_line(panel, line, line.x_pull / length, GREY, 1.0, "x_pull")
+    _draw_line(panel, line, line.x / length, INK, 1.6, "x, exact")
+    _mark_sides(panel, motion, "x", length)
     _legend(panel)
 
 
-def _draw_force(panel: Axes, motion: Motion, line: Curve, time: float) -> None:
+def _draw_force(panel: Axes, motion: Motion, line: Curve) -> None:
     exact = motion.exact
-    F_s = np.concatenate(([exact.initial["F_s"]], exact.outputs["F_s"]))
-    times = np.concatenate(([0.0], exact.times))
+    F_s = np.append(exact.initial["F_s"], exact.outputs["F_s"])
     force, prefix = _scale(float(np.max(np.abs(np.concatenate((line.F, F_s))))))
     signs = sorted({float(np.sign(F)) for F in line.F if F != 0.0}) or [1.0]
     reached = [sign for sign in signs if np.max(sign * line.F) > 0.3 * np.min(F_s)] or signs
@@ -239,19 +240,19 @@ def _draw_force(panel: Axes, motion: Motion, line: Curve, time: float) -> None:
     _range(panel, np.concatenate((line.F / force, *limits.values())), above=0.16)
     low, high = panel.get_ylim()
     for limit in limits.values():
-        panel.step(times / time, limit, where="pre", color=INK, lw=0.9, ls=_DASHED)
+        panel.step(np.append(0.0, exact.times), limit, where="pre", color=INK, lw=0.9, ls=_DASHED)
     if len(limits) > 1 and 2.0 * F_s[-1] / force < 0.1 * (high - low):
         # Two names would lie on one another.
         limits = {"\N{PLUS-MINUS SIGN}F_s": limits["F_s"]}
     for name, limit in limits.items():
         right = panel.get_yaxis_transform()
         panel.text(1.008, limit[-1], name, fontsize=8.0, transform=right, va="center")
-    _draw_line(panel, line, line.F / force, time, INK, 1.6, "F")
-    _mark_sides(panel, motion, "F", force, time)
+    _draw_line(panel, line, line.F / force, INK, 1.6, "F")
+    _mark_sides(panel, motion, "F", force)
     panel.set_ylabel(f"spring force F  [{prefix}N]")
 
 
-def _draw_errors(panel: Axes, motion: Motion, tolerances: Mapping[str, float], time: float) -> None:
+def _draw_errors(panel: Axes, motion: Motion, tolerances: Mapping[str, float]) -> None:
     panel.set_yscale("log")
     known = {side: tolerance for side, tolerance in tolerances.items() if tolerance > 0.0}
     # Nearer to each other, the names of the two lines would lie on one another.
@@ -265,7 +266,7 @@ def _draw_errors(panel: Axes, motion: Motion, tolerances: Mapping[str, float], t
                 continue
             largest = max([largest, *errors[np.isfinite(errors)]])
             panel.plot(
-                motion.exact.times[: len(errors)] / time,
+                motion.exact.times[: len(errors)],
                 np.clip(errors, NOTHING, 1e3 * HOPELESS),
                 color=color,
                 lw=0.9,
@@ -300,17 +301,15 @@ def _errors(exact: Run, run: Run | None, quantity: str) -> Series | None:
         return np.abs(got - truth[: len(got)]) / scale
 
 
-def _draw_line(
-    panel: Axes, line: Curve, y: Series, time: float, color: str, width: float, name: str
-) -> None:
+def _draw_line(panel: Axes, line: Curve, y: Series, color: str, width: float, name: str) -> None:
     if line.joined:
-        panel.plot(line.t / time, y, color=color, lw=width, label=name, solid_joinstyle="miter")
+        panel.plot(line.t, y, color=color, lw=width, label=name, solid_joinstyle="miter")
     else:
         size = width + (2.6 if len(y) <= 300 else 1.0)
-        panel.plot(line.t / time, y, "o", color=color, ms=size, mew=0.0, label=name)
+        panel.plot(line.t, y, "o", color=color, ms=size, mew=0.0, label=name)
 
 
-def _mark_sides(panel: Axes, motion: Motion, output: str, unit: float, time: float) -> None:
+def _mark_sides(panel: Axes, motion: Motion, output: str, unit: float) -> None:
     every = _every(motion)
     for n, (side, name, color, marker, size) in enumerate(SIDES):
         run = motion.records.get(side)
@@ -320,7 +319,7 @@ def _mark_sides(panel: Axes, motion: Motion, output: str, unit: float, time: flo
         chosen = slice(n * every // 2, len(motion.exact.times), every)
         with np.errstate(over="ignore"):
             values = run.outputs[output][chosen] / unit
-        times = motion.exact.times[chosen][: len(values)] / time
+        times = motion.exact.times[chosen][: len(values)]
         # What lies beyond the panel is marked at its edge.
         panel.plot(times, np.clip(values, *panel.get_ylim()), marker, color=color, ms=size,
                    mew=1.1, mfc="none", clip_on=False, label=name)  # fmt: skip

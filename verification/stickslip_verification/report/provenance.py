@@ -46,7 +46,7 @@ def collect(fmu: FmuFile, command: str | None = None) -> dict[str, Any]:
         "trust": TRUST,
         "versions": {"python": platform.python_version()} | {p: _version(p) for p in PACKAGES},
         "platform": platform.platform(),
-        "git": _git(Path(__file__).resolve().parents[1]),
+        "git": _git(Path(__file__).resolve().parents[2]),
     }
 
 
@@ -57,24 +57,15 @@ def _version(package: str) -> str | None:
         return None
 
 
-def _git(package: Path) -> dict[str, Any] | None:
-    head, status = (
-        _ask(package, *words)
-        for words in (("rev-parse", "--show-toplevel", "HEAD"), ("status", "--porcelain"))
-    )
-    if head is None or status is None:
-        return None
-    root, revision = head.splitlines()
+def _git(parent: Path) -> dict[str, Any] | None:
+    root = parent.parent
     # An installed copy may lie inside the working copy of some other project.
-    if Path(root).resolve() / "verification" / package.name != package:
+    if parent.name != "verification" or not (root / ".git").exists():
         return None
-    return {"revision": revision, "dirty": bool(status.strip())}
-
-
-def _ask(folder: Path, *words: str) -> str | None:
+    command = ["git", "-C", str(root), "status", "--porcelain=v2", "--branch"]
     try:
-        command = ["git", "-C", str(folder), *words]
-        answer = subprocess.run(command, capture_output=True, text=True, timeout=10)
-    except (OSError, subprocess.TimeoutExpired):
+        said = subprocess.run(command, capture_output=True, text=True, timeout=10, check=True)
+    except (OSError, subprocess.SubprocessError):
         return None
-    return answer.stdout if answer.returncode == 0 else None
+    head, *others = said.stdout.splitlines()
+    return {"revision": head.split()[-1], "dirty": any(line[0] != "#" for line in others)}

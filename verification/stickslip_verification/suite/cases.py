@@ -143,9 +143,6 @@ class At:
     kind: str
     number: int = 0
 
-    def __str__(self) -> str:
-        return f"{self.kind} {self.number}" if self.number else self.kind
-
 
 @dataclass(frozen=True)
 class Check(Tolerance):

@@ -125,10 +125,9 @@ def draw_sequences(
     half as many again.
     """
     counts: Counter[Cell] = Counter()
-    reachable = [cell for cell in CELLS if scope.hindrance(cell) is None]
     drawn: list[RandomSequence] = []
     for number in range(count + count // 2 if count >= COUNT else count):
-        if number >= count and all(counts[cell] for cell in reachable):
+        if number >= count and not empty_cells(drawn, scope):
             break
         drawn.append(_draw(seed, number, counts, scope))
         counts.update(drawn[-1].cells)
@@ -157,16 +156,15 @@ def coverage_table(sequences: Sequence[RandomSequence], seed: int, scope: Scope)
     """Count how often what changed in which phase, at which damping."""
     counts = coverage(sequences)
     reasons = Counter(scope.hindrance(cell) for cell in CELLS if not counts[cell])
-    rows: list[list[str | int]] = []
-    for row, phase in itertools.product(ROWS, PHASES):
-        cells = (Cell(row, phase, damping) for damping in DAMPINGS)
-        rows.append([f"{row}, in {phase}", *(counts[cell] for cell in cells)])
     return Table(
         title="Random sequences",
         about="How often what changed in which phase, at which damping from then on: "
         f"{len(sequences)} sequences of seed {seed}.",
         head=("what changes, and when", *DAMPINGS),
-        rows=rows,
+        rows=[
+            [f"{row}, in {phase}", *(counts[Cell(row, phase, damping)] for damping in DAMPINGS)]
+            for row, phase in itertools.product(ROWS, PHASES)
+        ],
         note=" ".join(f"{n} cells cannot be filled: {why}." for why, n in reasons.items() if why),
     )
 
@@ -447,13 +445,11 @@ _ATTEMPTS = 10  # draws of growing friction for one sequence, until rounding dec
 def under_law(cases: Sequence[Case], law: str, seed: int) -> list[Case]:
     """Return every `SHARE`th of these cases under the friction law of this name."""
     own = tuple(truth.friction_law(law).parameters)
-    drawn = (
-        (case, _DRAWS[law](Random(f"{law} {seed} {case.id}"), case)) for case in cases[::SHARE]
-    )
-    return [
-        replace(case, parameters={**case.parameters, **new}, law=law, own=own)
-        for case, new in drawn
-    ]
+    drawn = []
+    for case in cases[::SHARE]:
+        new = _DRAWS[law](Random(f"{law} {seed} {case.id}"), case)
+        drawn.append(replace(case, parameters={**case.parameters, **new}, law=law, own=own))
+    return drawn
 
 
 def with_dwell(cases: Sequence[Case], seed: int) -> list[Case]:

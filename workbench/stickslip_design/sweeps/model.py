@@ -17,13 +17,7 @@ from typing import Final, NamedTuple
 
 from stickslip_verification import FmuError, Unit
 from stickslip_verification.drive.fmu import names
-from stickslip_verification.drive.fmu.description import (
-    NUMBERS,
-    Description,
-    check_size,
-    read_description,
-    unpack,
-)
+from stickslip_verification.drive.fmu.description import NUMBERS, Description, check_size, unpack
 from stickslip_verification.drive.fmu.instance import FLOATING
 from stickslip_verification.model.units import Conversion
 
@@ -138,7 +132,7 @@ def read_model(path: Path | str) -> Model:
     path = Path(path)
     try:
         if path.suffix.lower() != ".ssp":
-            description = read_description(path)
+            description = Description(path)
             experiment = {name: float(text) for name, text in description.experiment.items()}
             return _model(path, System({path.name: ""}, {}, {}, experiment), [description])
         system = read_system(path)
@@ -157,7 +151,7 @@ def _descriptions(path: Path, system: System, folder: Path) -> Iterator[Descript
         if not (folder / source).is_file():
             raise SweepError(f"{path}: has no file {source}, the FMU of {name}")
         try:
-            yield read_description(folder / source)
+            yield Description(folder / source)
         except FmuError as error:
             said = str(error).replace(str(folder / source), f"{path}: {source}")
             raise SweepError(said) from None

@@ -7,8 +7,9 @@ import re
 import tempfile
 import xml.etree.ElementTree as ElementTree
 import zipfile
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from operator import attrgetter
 from pathlib import Path
 from typing import Any, Final, TypeAlias
 
@@ -49,21 +50,26 @@ def check_size(path: Path) -> None:
     """Refuse an FMU that unpacks, by what it says, to more than the limits; `FmuError`."""
     with zipfile.ZipFile(path) as archive:
         entries = archive.infolist()
+    for excess in _excesses(entries, path.stat().st_size):
+        raise FmuError(f"{path}: {excess}")
+
+
+def _excesses(entries: Sequence[zipfile.ZipInfo], packed: int) -> Iterator[str]:
     total = sum(entry.file_size for entry in entries)
+    grows = f"more than {MOST_RATIO} times its packed size"
     if len(entries) > MOST_FILES:
-        raise FmuError(f"{path}: has {len(entries)} files; at most {MOST_FILES} are unpacked")
+        yield f"has {len(entries)} files; at most {MOST_FILES} are unpacked"
     if total > MOST_UNPACKED:
-        most = _mb(MOST_UNPACKED)
-        raise FmuError(f"{path}: unpacks to {_mb(total)}; at most {most} are unpacked")
+        yield f"unpacks to {_mb(total)}; at most {_mb(MOST_UNPACKED)} are unpacked"
     for entry in entries:
-        if entry.filename == DESCRIPTION and entry.file_size > MOST_DESCRIBED:
-            size, most = _mb(entry.file_size), _mb(MOST_DESCRIBED)
-            raise FmuError(f"{path}: {DESCRIPTION} has {size}; at most {most} are read")
-        if entry.file_size > max(FREE, MOST_RATIO * entry.compress_size):
-            raise _grows(path, f"its file {entry.filename!r}", entry.file_size)
+        name, size = entry.filename, entry.file_size
+        if name == DESCRIPTION and size > MOST_DESCRIBED:
+            yield f"{name} has {_mb(size)}; at most {_mb(MOST_DESCRIBED)} are read"
+        if size > max(FREE, MOST_RATIO * entry.compress_size):
+            yield f"its file {name!r} unpacks to {_mb(size)}, {grows}"
     # Packed files may overlap, but the archive has no more bytes than it has.
-    if total > max(FREE_IN_ALL, MOST_RATIO * path.stat().st_size):
-        raise _grows(path, "it", total)
+    if total > max(FREE_IN_ALL, MOST_RATIO * packed):
+        yield f"it unpacks to {_mb(total)}, {grows}"
 
 
 def unpack(path: Path, folder: Path) -> None:
@@ -91,12 +97,6 @@ def new_folder() -> Path:
     raise FmuError(
         f"{usual}: FMUs made with pythonfmu cannot be unpacked in a folder of this name; "
         "set TMPDIR to one with letters of ASCII and digits"
-    )
-
-
-def _grows(path: Path, what: str, size: int) -> FmuError:
-    return FmuError(
-        f"{path}: {what} unpacks to {_mb(size)}, more than {MOST_RATIO} times its packed size"
     )
 
 
@@ -139,6 +139,8 @@ _LETTERS: Final = 40
 
 _PLACES: Final = (("VendorAnnotations/Tool", "name"), ("Annotations/Annotation", "type"))
 
+_DIMENSION = attrgetter("kg", "m", "s", "A", "K", "mol", "cd", "rad")
+
 _MOST_PROBLEMS, _LONGEST_PROBLEM = 100, 1000
 
 _MOST_LISTED, _LONGEST_TEXT = 8, 40
@@ -155,9 +157,8 @@ class StatedContract:
     told: str
 
 
-@dataclass(eq=False)
 class Description:
-    """What the model description of an FMU says.
+    """What the model description of an FMU says; `FmuError` for what is none for co-simulation.
 
     ``token`` is its guid or instantiation token, ``declared`` its variables by its own names,
     ``units`` those that it defines by SI base units, ``experiment`` start, stop and step of its
@@ -165,17 +166,29 @@ class Description:
     the FMI standard, if it can be read all the same, ``stated`` the contract that it names.
     """
 
-    fmi_version: str
-    token: str
-    model_identifier: str
-    can_get_and_set_state: bool
-    can_serialize_state: bool
-    once_per_process: bool
-    declared: Mapping[str, Declared]
-    units: Mapping[str, Unit]
-    experiment: Mapping[str, str]
-    problems: tuple[str, ...]
-    stated: StatedContract
+    def __init__(self, path: Path) -> None:
+        root, read, self.problems = _read(path)
+        interface, experiment = read.coSimulation, read.defaultExperiment
+        self.fmi_version: str = read.fmiVersion[:3]
+        self.token: str = read.guid
+        self.model_identifier: str = interface.modelIdentifier
+        self.can_get_and_set_state: bool = interface.canGetAndSetFMUstate
+        self.can_serialize_state: bool = interface.canSerializeFMUstate
+        self.once_per_process: bool = interface.canBeInstantiatedOnlyOncePerProcess
+        self.declared: Mapping[str, Declared] = {each.name: each for each in read.modelVariables}
+        self.units: Mapping[str, Unit] = {
+            each.name: unit
+            for each in read.unitDefinitions
+            if (base := each.baseUnit) is not None
+            if (unit := defined(base.factor, base.offset, _DIMENSION(base))) is not None
+        }
+        spelled = {"start_time": "startTime", "stop_time": "stopTime", "step": "stepSize"}
+        self.experiment: Mapping[str, str] = {
+            name: text
+            for name, theirs in spelled.items()
+            if (text := getattr(experiment, theirs, None)) is not None
+        }
+        self.stated = stated_contract(root)
 
     def listing(self, names: Collection[str]) -> str:
         """Return on one line what the FMU has, what is most like the names first, and how much."""
@@ -204,8 +217,8 @@ def shown(variable: Declared) -> str:
     return f"{variable.name}{unit}{f' ({text})' if text else ''}"
 
 
-def read_description(path: Path) -> Description:
-    """Read the model description of an FMU; `FmuError` for what is none for co-simulation."""
+def _read(path: Path) -> tuple[ElementTree.Element, Any, tuple[str, ...]]:
+    """Return the root of a model description, FMPy's record of it, and what it breaks of FMI."""
     if not path.exists():
         raise FmuError(f"{path}: no such file")
     if not (path.is_file() and zipfile.is_zipfile(path)):
@@ -236,25 +249,7 @@ def read_description(path: Path) -> Description:
     for each in read.modelVariables:
         each.unit = each.unit or (each.declaredType and each.declaredType.unit)
         each.description = " ".join((each.description or "").split())
-    interface, experiment = read.coSimulation, read.defaultExperiment
-    spelled = {"start_time": "startTime", "stop_time": "stopTime", "step": "stepSize"}
-    return Description(
-        fmi_version=read.fmiVersion[:3],
-        token=read.guid,
-        model_identifier=interface.modelIdentifier,
-        can_get_and_set_state=interface.canGetAndSetFMUstate,
-        can_serialize_state=interface.canSerializeFMUstate,
-        once_per_process=interface.canBeInstantiatedOnlyOncePerProcess,
-        declared={each.name: each for each in read.modelVariables},
-        units={each.name: unit for each in read.unitDefinitions if (unit := _defined(each))},
-        experiment={
-            name: text
-            for name, theirs in spelled.items()
-            if (text := getattr(experiment, theirs, None)) is not None
-        },
-        problems=problems,
-        stated=stated_contract(root),
-    )
+    return root, read, problems
 
 
 def _check(path: Path, root: ElementTree.Element) -> None:
@@ -268,14 +263,6 @@ def _check(path: Path, root: ElementTree.Element) -> None:
         others = [text for tag, text in kinds.items() if root.find(tag) is not None]
         has = f", only {' and '.join(others)}" if others else ""
         raise FmuError(f"{path}: has no co-simulation interface{has}")
-
-
-def _defined(entry: Any) -> Unit | None:
-    base = entry.baseUnit
-    if base is None:
-        return None
-    dimension = (base.kg, base.m, base.s, base.A, base.K, base.mol, base.cd, base.rad)
-    return defined(base.factor, base.offset, dimension)
 
 
 def stated_contract(root: ElementTree.Element) -> StatedContract:

@@ -9,10 +9,11 @@ import itertools
 import os
 import shutil
 import weakref
-from abc import ABC, abstractmethod
+from abc import abstractmethod
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from functools import cache, cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, ClassVar, Protocol, Self
+from typing import TYPE_CHECKING, Any, ClassVar, Protocol
 
 import fmpy
 import fmpy.fmi1
@@ -25,7 +26,6 @@ from stickslip_verification.drive.fmu.description import (
     FmuError,
     new_folder,
     one_line,
-    read_description,
     unpack,
 )
 from stickslip_verification.drive.fmu.names import UNITS, NameMap, Variable, collect
@@ -85,29 +85,25 @@ class Unpacked(Protocol):
     variables: Mapping[str, Variable]
 
 
-class FmuInstance(ABC):
+class FmuInstance(contextlib.AbstractContextManager["FmuInstance"]):
     """One instance of an FMU. Variables by our names, values in SI.
 
-    After an `FmuError` only `reset` and `free` are of use. ``C_TYPES`` has for the kind of a
-    variable its name in the FMI functions, which begin with ``PREFIX``, and its type in C;
-    ``SLAVE`` is FMPy's class that loads the library.
+    After an `FmuError` only `reset` and `free` are of use. ``FMI`` is FMPy's module with the types
+    in C, ``SLAVE`` its class that loads the library; names in both begin with ``PREFIX``.
+    ``ENUMERATION`` is the kind whose functions an enumeration has.
     """
 
-    C_TYPES: ClassVar[Mapping[str, tuple[str, Any]]]
-    PREFIX: ClassVar[str]
+    FMI: ClassVar[Any]
     SLAVE: ClassVar[Any]
+    PREFIX: ClassVar[str]
+    ENUMERATION: ClassVar[str]
 
     def __init__(self, fmu: Unpacked) -> None:
         self.file = fmu
         self.messages = Messages()
         self._name = f"{fmu.model_identifier}-{next(_COUNTER)}"
-        self._untouched = frozenset(
-            name
-            for name, variable in fmu.variables.items()
-            if variable.kind in FLOATING and variable.conversion.leaves_alone
-        )
-        self._freed = False
-        self._lost = False
+
+        self._gone = False
         try:
             # FMPy stays in the folder of the library if it cannot be loaded.
             with contextlib.chdir(Path.cwd()):
@@ -129,32 +125,37 @@ class FmuInstance(ABC):
     def _instantiate(self) -> None: ...
 
     @abstractmethod
-    def _step(self, time: float, h: float) -> None: ...
+    def _enter(self, start_time: float) -> None: ...
 
-    @abstractmethod
     def enter(self, start_time: float) -> None:
         """Enter initialization mode, time beginning at `start_time` [s]."""
+        self._do(self._enter, start_time)
 
     def step(self, time: float, h: float) -> None:
         """Step from the communication point `time` [s] by `h` [s]."""
         try:
-            self._step(time, h)
+            flags = self._slave.doStep(time, h)
         except fmpy.fmi1.FMICallException as error:
             call = f"{self.PREFIX}DoStep(t = {time!r}, h = {h!r})"
             raise self._failure(call, error) from None
+        # FMI 2.0 has no flags.
+        if flags and any(flags[1:3]):
+            did = "ends the simulation" if flags[1] else "returns early"
+            call = f"{self.file.path.name}: {self.PREFIX}DoStep(t = {time!r}, h = {h!r})"
+            raise FmuError(f"{call} {did} at t = {flags[3]!r}")
 
     def _failure(self, call: str, error: Exception) -> FmuError:
         said = " ".join(self.messages[-1].split()) if self.messages else "without a message"
         status = getattr(error, "status", None)
-        self._lost = self._lost or status == FATAL
+        self._gone = self._gone or status == FATAL
         reason = f"status {_MEANING[status]}" if status in _MEANING else one_line(error)
         return FmuError(f"{self.file.path.name}: {call} failed: {said} ({reason})")
 
-    def _do(self, call: str, function: Callable[..., Any], *arguments: object) -> Any:
+    def _do(self, function: Callable[..., Any], *arguments: object) -> Any:
         try:
             return function(*arguments)
         except fmpy.fmi1.FMICallException as error:
-            raise self._failure(call, error) from None
+            raise self._failure(error.function, error) from None
 
     def start(self, values: Mapping[str, float], start_time: float = 0.0) -> None:
         """Set `values`, begin at `start_time` [s] and go through initialization mode."""
@@ -164,7 +165,7 @@ class FmuInstance(ABC):
 
     def leave(self) -> None:
         """Leave initialization mode."""
-        self._do(f"{self.PREFIX}ExitInitializationMode", self._slave.exitInitializationMode)
+        self._do(self._slave.exitInitializationMode)
 
     def set(self, values: Mapping[str, float]) -> None:
         """Set variables by name; `FmuError` for one that the FMU does not have."""
@@ -177,8 +178,7 @@ class FmuInstance(ABC):
         def write(values: Sequence[float]) -> None:
             for kind, places, buffer, arguments in groups:
                 for index, place in enumerate(places):
-                    name, value = names[place], values[place]
-                    buffer[index] = value if name in self._untouched else self._theirs(name, value)
+                    buffer[index] = self._theirs(names[place], values[place])
                 call = f"{self.PREFIX}Set{kind}"
                 try:
                     getattr(self._slave, call)(*arguments)
@@ -199,7 +199,7 @@ class FmuInstance(ABC):
         if missing:
             raise FmuError(f"{self.file.path.name}: has no variable {', '.join(missing)}")
         variables = [self.file.variables[name] for name in names]
-        kinds = [self.C_TYPES[variable.kind] for variable in variables]
+        kinds = [self._kind(variable) for variable in variables]
         for kind, c_type in dict.fromkeys(kinds):
             places = [place for place, other in enumerate(kinds) if other[0] == kind]
             count = len(places)
@@ -209,13 +209,16 @@ class FmuInstance(ABC):
             arguments = (self._slave.component, references, count, buffer, *sizes)
             yield kind, places, buffer, arguments
 
+    def _kind(self, variable: Variable) -> tuple[str, Any]:
+        kind = self.ENUMERATION if variable.kind == "Enumeration" else variable.kind
+        return kind, getattr(self.FMI, f"{self.PREFIX}{kind}")
+
     def _theirs(self, name: str, value: float) -> float:
         variable = self.file.variables[name]
-        change = variable.conversion
-        number = value if change.leaves_alone else change.from_si(value)
+        number = variable.conversion.from_si(value)
         if variable.kind in FLOATING:
             return number
-        c_type = self.C_TYPES[variable.kind][1]
+        _, c_type = self._kind(variable)
         # A C integer that is too small for the number would silently hold another one.
         if not float(number).is_integer() or c_type(int(number)).value != number:
             label = self.file.path.name
@@ -225,7 +228,7 @@ class FmuInstance(ABC):
     def reader(self, names: Sequence[str]) -> Callable[[], list[float]]:
         """Return a function that reads these variables at once, in this order, in SI."""
         groups = [
-            (call := f"{self.PREFIX}Get{kind}", getattr(self._slave, call), *group)
+            (getattr(self._slave, f"{self.PREFIX}Get{kind}"), *group)
             for kind, *group in self._groups(names)
         ]
         converted = [
@@ -236,8 +239,8 @@ class FmuInstance(ABC):
 
         def read() -> list[float]:
             values = [0.0] * len(names)
-            for call, get, places, buffer, arguments in groups:
-                self._do(call, get, *arguments)
+            for get, places, buffer, arguments in groups:
+                self._do(get, *arguments)
                 for place, value in zip(places, buffer, strict=True):
                     values[place] = float(value)
             for place, to_si in converted:
@@ -248,48 +251,45 @@ class FmuInstance(ABC):
 
     def get_state(self) -> State:
         """Have the FMU keep its state."""
-        state: State = self._do("get FMU state", self._slave.getFMUState)
+        state: State = self._do(self._slave.getFMUState)
         return state
 
     def set_state(self, state: State) -> None:
         """Go back to a state, which stays valid."""
-        self._do("set FMU state", self._slave.setFMUState, state)
+        self._do(self._slave.setFMUState, state)
 
     def free_state(self, state: State) -> None:
         """Let the FMU forget a state."""
-        self._do("free FMU state", self._slave.freeFMUState, state)
+        self._do(self._slave.freeFMUState, state)
 
     def written(self, state: State) -> bytes:
         """Write a state as bytes and free it."""
-        written: bytes = self._do("serialize FMU state", self._slave.serializeFMUState, state)
+        written: bytes = self._do(self._slave.serializeFMUState, state)
         self.free_state(state)
         return written
 
     def restore(self, written: bytes) -> None:
         """Go back to a state that this instance, or another of this FMU, wrote as bytes."""
-        state = self._do("deserialize FMU state", self._slave.deserializeFMUState, written)
+        state = self._do(self._slave.deserializeFMUState, written)
         self.set_state(state)
         self.free_state(state)
 
     def reset(self) -> None:
         """Back to the state after instantiation."""
-        self._do(f"{self.PREFIX}Reset", self._slave.reset)
-        self._lost = False
+        self._do(self._slave.reset)
+        self._gone = False
 
     def free(self) -> None:
         """Free the instance once; after a fatal status not at all, as the standard forbids it."""
-        if not self._freed and not self._lost:
+        if not self._gone:
             self._slave.freeInstance()
-        self._freed = True
-
-    def __enter__(self) -> Self:
-        return self
+        self._gone = True
 
     def __exit__(self, *_: object) -> None:
         self.free()
 
 
-_SINKS: dict[str, list[str]] = {}
+_SINKS: weakref.WeakValueDictionary[str, Messages] = weakref.WeakValueDictionary()
 
 
 @fmpy.fmi2.fmi2CallbackLoggerTYPE  # type: ignore[untyped-decorator]
@@ -310,31 +310,20 @@ _CALLBACKS.logger = _log
 class Fmi2Instance(FmuInstance):
     """One instance of an FMU 2.0."""
 
-    PREFIX = "fmi2"
-    SLAVE = fmpy.fmi2.FMU2Slave
-    C_TYPES: ClassVar = {
-        "Real": ("Real", ctypes.c_double),
-        "Integer": ("Integer", ctypes.c_int),
-        "Enumeration": ("Integer", ctypes.c_int),
-        "Boolean": ("Boolean", ctypes.c_int),
-    }
+    FMI, SLAVE, PREFIX = fmpy.fmi2, fmpy.fmi2.FMU2Slave, "fmi2"
+    ENUMERATION = "Integer"
 
     def _instantiate(self) -> None:
         _SINKS[self._name] = self.messages
-        weakref.finalize(self, _SINKS.pop, self._name, None)
         # FMPy's proxy, which fills in the printf arguments of a message, has one logger for the
         # whole process, the last that was announced. So ours lives as long as the process, sorts by
         # the instance's name, hands on what is not ours, and is announced anew each time.
         fmpy.logging.addLoggerProxy(ctypes.byref(_CALLBACKS))
         self._slave.instantiate(callbacks=_CALLBACKS, loggingOn=True)
 
-    def enter(self, start_time: float) -> None:
-        """Enter initialization mode, time beginning at `start_time` [s]."""
-        self._do("fmi2SetupExperiment", self._slave.setupExperiment, None, start_time)
-        self._do("fmi2EnterInitializationMode", self._slave.enterInitializationMode)
-
-    def _step(self, time: float, h: float) -> None:
-        self._slave.fmi2DoStep(self._slave.component, time, h, 1)
+    def _enter(self, start_time: float) -> None:
+        self._slave.setupExperiment(None, start_time)
+        self._slave.enterInitializationMode()
 
 
 class Fmi3Instance(FmuInstance):
@@ -344,19 +333,8 @@ class Fmi3Instance(FmuInstance):
     it. That an event would need handling is no error without event mode.
     """
 
-    PREFIX = "fmi3"
-    SLAVE = fmpy.fmi3.FMU3Slave
-    C_TYPES: ClassVar = {
-        "Float64": ("Float64", ctypes.c_double),
-        "Float32": ("Float32", ctypes.c_float),
-        "Enumeration": ("Int64", ctypes.c_int64),
-        "Boolean": ("Boolean", ctypes.c_bool),
-        **{
-            f"{sign}Int{bits}": (f"{sign}Int{bits}", getattr(ctypes, f"c_{sign.lower()}int{bits}"))
-            for sign in ("", "U")
-            for bits in (8, 16, 32, 64)
-        },
-    }
+    FMI, SLAVE, PREFIX = fmpy.fmi3, fmpy.fmi3.FMU3Slave, "fmi3"
+    ENUMERATION = "Int64"
 
     def _instantiate(self) -> None:
         messages = self.messages
@@ -366,27 +344,9 @@ class Fmi3Instance(FmuInstance):
                 messages.append(text.decode("utf-8", errors="replace"))
 
         self._slave.instantiate(loggingOn=True, logMessage=log)
-        self._event, self._terminate, self._early = (ctypes.c_bool() for _ in range(3))
-        self._reached = ctypes.c_double()
-        flags = (self._event, self._terminate, self._early, self._reached)
-        self._flags = tuple(ctypes.byref(flag) for flag in flags)
 
-    def enter(self, start_time: float) -> None:
-        """Enter initialization mode, time beginning at `start_time` [s]."""
-        function = self._slave.enterInitializationMode
-        self._do("fmi3EnterInitializationMode", function, None, start_time)
-
-    def _step(self, time: float, h: float) -> None:
-        # Wrappers leave untouched what they have nothing to say about.
-        self._terminate.value = self._early.value = False
-        self._reached.value = time + h
-        self._slave.fmi3DoStep(self._slave.component, time, h, True, *self._flags)
-        if self._terminate.value or self._early.value:
-            did = "ends the simulation" if self._terminate.value else "returns early"
-            raise FmuError(
-                f"{self.file.path.name}: fmi3DoStep(t = {time!r}, h = {h!r}) {did} "
-                f"at t = {self._reached.value!r}"
-            )
+    def _enter(self, start_time: float) -> None:
+        self._slave.enterInitializationMode(None, start_time)
 
 
 FACES: Mapping[str, type[FmuInstance]] = {"2.0": Fmi2Instance, "3.0": Fmi3Instance}
@@ -396,16 +356,13 @@ FACES: Mapping[str, type[FmuInstance]] = {"2.0": Fmi2Instance, "3.0": Fmi3Instan
 class Hooked(FmuInstance):
     """An instance whose reads pass `get`; a hook may keep attributes of its own on it."""
 
-    def __init__(self, fmu: Unpacked) -> None:
-        self._readers: dict[tuple[str, ...], Callable[[], list[float]]] = {}
-        super().__init__(fmu)
+    @cached_property
+    def _reader_of(self) -> Callable[[tuple[str, ...]], Callable[[], list[float]]]:
+        return cache(super().reader)
 
     def read(self, names: Sequence[str]) -> dict[str, float]:
         """Read variables from the FMU itself, past the planted `get`."""
-        key = tuple(names)
-        if key not in self._readers:
-            self._readers[key] = super().reader(key)
-        return dict(zip(key, self._readers[key](), strict=True))
+        return dict(zip(names, self._reader_of(tuple(names))(), strict=True))
 
     def get(self, names: Sequence[str]) -> dict[str, float]:
         """Read variables as the suite sees them."""
@@ -414,7 +371,7 @@ class Hooked(FmuInstance):
     def reader(self, names: Sequence[str]) -> Callable[[], list[float]]:
         """Return a function that reads these variables at once, in this order, in SI."""
         # It refuses a name that the FMU does not have.
-        super().reader(names)
+        self._reader_of(tuple(names))
 
         def read() -> list[float]:
             values = self.get(names)
@@ -459,7 +416,7 @@ class FmuFile(Description):
         *,
         own_starts: bool | None = None,
     ) -> None:
-        super().__init__(**vars(read_description(path)))
+        super().__init__(path)
         self.path = path
         self.names = NameMap() if names is None else names
         promised = self.stated.exact and not self.names.targets
@@ -470,6 +427,7 @@ class FmuFile(Description):
             raise FmuError(f"{path}: is not for this platform, {fmpy.platform}; it has {has}")
         self._face = hooked(FACES[self.fmi_version], hooks)
         self.variables: Mapping[str, Variable] = collect(path.name, self, self.names, UNITS)
+
         known = {variable.their_name for variable in self.variables.values()}
         self.extra_outputs = tuple(
             name

@@ -185,6 +185,7 @@ def as_ours(
             f'another quantity, leave it out in the names file: {ours} = ""'
         )
     change = conversion(theirs_in, target.sign)
+    start = {"true": 1.0, "false": 0.0}.get(theirs.start, theirs.start)
     return Variable(
         name=ours,
         their_name=theirs.name,
@@ -193,13 +194,6 @@ def as_ours(
         unit=name,
         causality=theirs.causality,
         variability=theirs.variability,
-        start=_start(theirs.start, change),
+        start=None if theirs.start is None else change.to_si(float(start)),
         conversion=change,
     )
-
-
-def _start(text: str | None, change: Conversion) -> float | None:
-    if text is None:
-        return None
-    number = float(text) if text not in {"true", "false"} else float(text == "true")
-    return number if change.leaves_alone else change.to_si(number)

@@ -218,19 +218,17 @@ def keeps_its_cycle(
     """
     need(fmu, lacking(fmu, parameters))
     values = {**defaults(fmu), **parameters}
-    name = "x" if fmu.has("x") else "F"
     end, last_call = time.process_time() + seconds, time.monotonic() + 2.0 * seconds
     start = {name: value for name, value in values.items() if fmu.has(name)}
     steps = [masters.CommunicationStep(step, {})] * count
     master = masters.Master(fmu, masters.Setting(start, steps))
-    master.names = [name]
+    master.names = ["x"]
     run = master.run(lambda _: time.process_time() > end or time.monotonic() > last_call)
-    shown = run.outputs[name]
-    if shown.size < 4 * window:
-        raise NotApplicableError(f"{shown.size} steps in {seconds:g} s are too few for a long run")
-    if name == "x":
-        shown = values["v"] * step * np.arange(1, shown.size + 1) - shown
-    first, last = shown[window : 2 * window], shown[-window:]
+    x = run.outputs["x"]
+    if x.size < 4 * window:
+        raise NotApplicableError(f"{x.size} steps in {seconds:g} s are too few for a long run")
+    stretched = values["v"] * step * np.arange(1, x.size + 1) - x
+    first, last = stretched[window : 2 * window], stretched[-window:]
     if not np.all(np.isfinite(first)):
         raise NotApplicableError("its steps are too long for this block")
     spread = float(np.std(first))
@@ -238,7 +236,7 @@ def keeps_its_cycle(
     if max(moved) <= _ALIKE * spread:
         return []
     return [
-        f"after {shown.size * step:.0f} s the spring is stretched otherwise than at the beginning: "
+        f"after {x.size * step:.0f} s the spring is stretched otherwise than at the beginning: "
         f"mean {np.mean(last):.4g}, not {np.mean(first):.4g}; deviation {np.std(last):.4g}, not "
         f"{spread:.4g}"
     ]

@@ -12,13 +12,9 @@ from functools import partial
 from itertools import chain
 from pathlib import Path
 
+from stickslip_verification.drive import masters
+from stickslip_verification.drive.fmu.description import NotApplicableError
 from stickslip_verification.drive.fmu.instance import FmuFile, available
-from stickslip_verification.drive.masters import (
-    NotApplicableError,
-    defaults,
-    need_ability,
-    need_instances,
-)
 from stickslip_verification.drive.probes import calls
 from stickslip_verification.drive.probes.calls import (
     Calls,
@@ -48,7 +44,8 @@ def state_in_a_fresh_process(
     The outputs after the steps of `then` are compared. `environment` differs there from the one of
     this process; `tolerance` is as in `same_motion`.
     """
-    need_ability(fmu.can_get_and_set_state and fmu.can_serialize_state, "serialize its state")
+    able = fmu.can_get_and_set_state and fmu.can_serialize_state
+    masters.need_ability(able, "serialize its state")
     check_playable(fmu, chain(calls, then))
     with calling(fmu, calls) as caller:
         state = caller.instance.written(caller.instance.get_state()), caller.since
@@ -155,9 +152,9 @@ def keeps_memory(fmu: FmuFile, of: str, count: int, most: float, seconds: float)
     for memory that was freed earlier would be filled first, and hide a loss.
     """
     if of == "state":
-        need_ability(fmu.can_get_and_set_state, "get and set its state")
+        masters.need_ability(fmu.can_get_and_set_state, "get and set its state")
     elif of == "instance":
-        need_instances(fmu)
+        masters.need_instances(fmu)
         most += _PER_MODULE * _module(fmu)
     if not _PAGES.exists():
         raise NotApplicableError("the memory of a process is read on Linux only")
@@ -171,7 +168,7 @@ def keeps_memory(fmu: FmuFile, of: str, count: int, most: float, seconds: float)
 def _steps(fmu: FmuFile) -> Doing:
     """Step; of four steps, one is after a read of all outputs and one after a set."""
     with fmu.instantiate() as instance:
-        instance.start(defaults(fmu))
+        instance.start(masters.defaults(fmu))
         read = instance.reader(available(fmu, OUTPUT_NAMES))
         inputs = [name for name in ("v", "F_ext") if fmu.has(name)]
         for number in itertools.count():
@@ -188,7 +185,7 @@ def _steps(fmu: FmuFile) -> Doing:
 def _states(fmu: FmuFile) -> Doing:
     """Take, set and free a state, each of another moment; every fourth is serialized too."""
     with fmu.instantiate() as instance:
-        instance.start(defaults(fmu))
+        instance.start(masters.defaults(fmu))
         for number in itertools.count():
             yield
             state = instance.get_state()
@@ -206,7 +203,7 @@ def _instances(fmu: FmuFile) -> Doing:
     while True:
         yield
         with fmu.instantiate() as instance:
-            instance.start(defaults(fmu))
+            instance.start(masters.defaults(fmu))
             instance.step(0.0, 0.3)
 
 
