@@ -14,22 +14,9 @@ from typing import Any
 
 import numpy as np
 
-from stickslip_score.figures import (
-    COARSE,
-    LOST,
-    QUANTITIES,
-    Figures,
-    Motion,
-    Phases,
-    Solution,
-    Stick,
-    figures_of,
-    find_phases,
-    motion_of,
-    root,
-    scatter_of,
-    si,
-)
+from stickslip_score.figures import LOST, Figures, Phases, Stick, figures_of, find_phases
+from stickslip_score.figures.motion import COARSE, Motion, motion_of, scatter_of, si
+from stickslip_score.figures.solution import QUANTITIES, Solution, root
 from stickslip_score.fit import (
     Fit,
     Fits,

@@ -10,17 +10,9 @@ import numpy as np
 from scipy.optimize import least_squares
 from scipy.signal import correlate
 
-from stickslip_score.figures import (
-    EPSILON,
-    VISIBLE,
-    Figures,
-    Motion,
-    Phases,
-    Solution,
-    plateau,
-    root,
-    scatter_of,
-)
+from stickslip_score.figures import VISIBLE, Figures, Phases, plateau
+from stickslip_score.figures.motion import Motion, scatter_of, without_drift
+from stickslip_score.figures.solution import EPSILON, Solution, root
 from stickslip_score.read import LEAST_SAMPLES, Floats
 
 _EXCESS = 1.25  # on a solution: the digits once, and what the least squares share out of them
@@ -199,15 +191,8 @@ class Part:
 
     def _residual(self, numbers: Mapping[str, float]) -> Floats:
         solution = _with(self.solution, numbers)
-        return self._centred(self.y - solution.position(self.t - numbers["t_break"]))
-
-    def _centred(self, r: Floats) -> Floats:
-        """Return distances, shape (n,) or (n, m), without what is a constant or drift in them."""
-        if not self.drifts:
-            return np.asarray(r - np.mean(r, axis=0))
-        at = 2.0 * (self.t - self.t[0]) / (self.t[-1] - self.t[0]) - 1.0
-        basis, _ = np.linalg.qr(np.polynomial.legendre.legvander(at, self.drifts))
-        return np.asarray(r - basis @ (basis.T @ r))
+        r = self.y - solution.position(self.t - numbers["t_break"])
+        return without_drift(self.t, r, self.drifts)
 
     def _steps(self, numbers: Iterable[str]) -> Floats:
         """Return steps of free numbers: a millionth of what changes the motion."""
@@ -227,7 +212,7 @@ class Part:
             moved = 2.0 * late or getattr(high, name) - getattr(low, name)
             change = low.position(after + late) - high.position(after - late)
             columns.append(change / (moved or math.inf))
-        return self._centred(np.stack(columns, axis=1))
+        return without_drift(self.t, np.stack(columns, axis=1), self.drifts)
 
     def _least_squares(self, numbers: dict[str, float]) -> dict[str, float]:
         if self.t.size <= len(numbers):
