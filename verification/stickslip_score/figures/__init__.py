@@ -54,10 +54,9 @@ class Phases:
     """Sticks of a motion and turns of its spring, in order of time."""
 
     sticks: tuple[Stick, ...]
-    high_samples: Sequence[int]  # where the spring turns from rising to falling
-    highs: Floats  # spring extension at these turns [m]
-    lows: Floats  # and at the lowest ones [m]
+    highs: Floats  # spring extension where it turns from rising to falling [m]
     high_times: Floats  # [s]
+    lows: Floats  # spring extension where it turns from falling to rising [m]
     fall: float  # deepest fall of the spring [m]
     only_rests: bool  # whether the mass is not seen to move at all
 
@@ -74,10 +73,9 @@ def find_phases(motion: Motion, solution: Solution) -> Phases:
     ]
     return Phases(
         sticks=tuple(stick for stick in sticks if stick),
-        high_samples=highs,
         highs=z[highs],
-        lows=z[lows],
         high_times=motion.t[highs],
+        lows=z[lows],
         fall=fall,
         only_rests=float(np.ptp(motion.y)) <= 2.0 * VISIBLE * motion.allowed,
     )
@@ -107,7 +105,7 @@ def _stick(
     t, y, v = motion.t[first : last + 1], motion.y[first : last + 1], solution.v
     if t.size < 2:
         return None
-    i, j, level = plateau(t, y, VISIBLE * motion.allowed)
+    i, j, level = _plateau(t, y, VISIBLE * motion.allowed)
     slow = np.flatnonzero(_speed(t, y, motion.allowed, v) < 0.5 * v)
     if not slow.size:
         return None
@@ -146,7 +144,7 @@ def _slope(t: Floats, y: Floats, a: int, b: int) -> float:
     return float((y[b] - y[a]) / (t[b] - t[a])) if b > a else 0.0
 
 
-def plateau(t: Floats, y: Floats, band: float) -> tuple[int, int, float]:
+def _plateau(t: Floats, y: Floats, band: float) -> tuple[int, int, float]:
     """Return first and last sample and the level of the longest time within a band of y.
 
     A solver may step back a little where it stops, so that y only nearly rises; a mass that
@@ -185,6 +183,30 @@ def _invisible(solution: Solution, gap: float, allowed: float) -> tuple[float, f
     by_jerk = (6.0 * way / (v * w**2)) ** (1.0 / 3.0)
     by_acceleration = math.sqrt(2.0 * way / (gap * w**2)) if gap > 0.0 else math.inf
     return (turn - math.atan2(w * gap, v)) / w, float(min(by_jerk, by_acceleration))
+
+
+def rests_of(motion: Motion) -> list[tuple[int, int]]:
+    """Return first and last sample of the rest at the begin, and of the longest if it is later.
+
+    In a rest the mass is not seen to move; that at the begin may be of one sample.
+    """
+    band = VISIBLE * motion.allowed
+    out = np.flatnonzero(np.abs(motion.y - motion.y[0]) > band)
+    begin = (0, int(out[0]) - 1 if out.size else motion.t.size - 1)
+    longest = _plateau(motion.t, motion.y, band)[:2]
+    return [begin, longest] if longest[0] > begin[1] else [begin]
+
+
+def break_away(motion: Motion, solution: Solution, last: int) -> tuple[float, float] | None:
+    """Return the times [s] between which a mass breaks away that rests till sample `last`.
+
+    None where it rests to the end.
+    """
+    if last + 1 >= motion.t.size:
+        return None
+    # The band of a rest is `VISIBLE` wide, and so may its level be off.
+    hidden = solution.time_to_move(2.0 * VISIBLE * motion.allowed)
+    return float(motion.t[last]) - hidden, float(motion.t[last + 1])
 
 
 @dataclass(frozen=True)

@@ -1,4 +1,4 @@
-"""A curve as a motion: its pull turned forward, digits, noise; x and F held against each other."""
+"""A curve as a motion: its pull turned forward, its digits and noise, x and F compared."""
 
 from __future__ import annotations
 
@@ -7,10 +7,12 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.lib.stride_tricks import sliding_window_view
 from scipy.ndimage import uniform_filter1d
 
-from stickslip_score.figures.solution import Solution
-from stickslip_score.read import Curve, Floats
+from stickslip_score.figures.solution import Solution, normal_force
+from stickslip_score.read import Curve, CurveError, Floats
+from stickslip_verification.truth.parameters import used_mu_k
 
 COARSE = 0.1  # radians of the oscillation between samples from which third differences hold motion
 _SOLVER_FLOOR = 1e-9  # of the range of x: no tool that integrates promises more
@@ -34,6 +36,22 @@ _SPREAD = 0.2
 """Least share of third differences between a quarter and three quarters of the largest twentieth.
 Gaussian noise has 0.48; those of a solver that chatters have two sizes."""
 _PAIRS = 20  # neighbouring differences below which signs tell nothing
+_SIGN = 0.25  # of the way of the pulled end, and of the friction force: a way that has a sign
+_NEAR = 4.0  # factor about a power of 1000 within which a unit is the likeliest reason
+_UNITS = {
+    1e3: ("x in mm or t in ks", "F in mN"),
+    1e6: ("x in um", "F in uN"),
+    1e9: ("x in nm", "F in nN"),
+    1e-3: ("t in ms or x in km", "F in kN"),
+    1e-6: ("t in us", "F in MN"),
+}
+"""Units of x and F whose numbers are this factor too large."""
+_ALTERNATING, _LEAST_ALTERNATING = 20_000, 40  # samples searched for alternating friction
+_EVEN_STEPS = 1e-6  # of a step: how far steps of a solver may differ
+_FULL, _MOST, _BACK, _REVERSALS = 0.15, 0.9, 0.02, 0.1
+"""Of the friction force: how far a value may be off static or kinetic friction; the part of the
+samples that must be so near; the part that must be driven against the pull; and how often for
+each of these the force must turn."""
 
 
 def si(value: float, unit: str) -> str:
@@ -161,6 +179,61 @@ def motion_of(curve: Curve, p: Mapping[str, float], solution: Solution) -> Motio
         drift=k * drift,
         mismatch=mismatch,
     )
+
+
+def is_turned(curve: Curve, p: Mapping[str, float], exact: Mapping[str, float] | None) -> bool:
+    """Tell whether the pull goes against v; refuse x or F that are a power of 1000 off."""
+    duration, v = float(curve.t[-1] - curve.t[0]), p["v"]
+    if curve.x is not None:
+        # From the first tenth of the samples to the last, over nine tenths of them.
+        tenth = max(curve.x.size // 10, 1)
+        way = float(np.mean(curve.x[-tenth:]) - np.mean(curve.x[:tenth]))
+        way, due = way / (1.0 - tenth / curve.x.size), v * duration
+        ratio, column, example = abs(way / due), 0, "x [mm]"
+        seen = f"x advances at {si(abs(way) / duration, 'm/s')} on average"
+    else:
+        assert curve.F is not None
+        span, static = float(np.ptp(curve.F)), p["mu_s"] * normal_force(p)
+        way, due = float(np.mean(curve.F)) + p["F_ext"], math.copysign(static, v)
+        jump = exact["delta_x"] if exact else math.inf
+        ratio, column, example = span / (p["k"] * jump), 1, "F [kN]"
+        seen = f"F varies by {si(span, 'N')}"
+    power = next((power for power in _UNITS if power / _NEAR < ratio < power * _NEAR), 0.0)
+    if exact is not None and duration >= 1.5 * exact["period"] and power:
+        raise CurveError(
+            f"{seen}, {power:g} times as much as it should: {_UNITS[power][column]}? State the "
+            f"unit in the header or with the column's name, '{example}'"
+        )
+    return way * due < 0.0 and abs(way) > _SIGN * abs(due)
+
+
+def chatters(motion: Motion, solution: Solution, p: Mapping[str, float]) -> bool:
+    """Tell whether each sample is a step of a solver with friction by the sign of the velocity.
+
+    In stick full friction drives it now one way, now the other, so that the friction force that its
+    samples imply has two values and none between; noise has all of them.
+    """
+    t, y, z = (column[:_ALTERNATING] for column in (motion.t, motion.y, motion.z))
+    steps = np.diff(t)
+    step = float(np.mean(steps))
+    uneven = float(np.ptp(steps)) > _EVEN_STEPS * step + 2.0 * np.spacing(t[-1])
+    if t.size < _LEAST_ALTERNATING or uneven:
+        return False
+    friction = z[1:-1] - np.diff(y, 2) / (solution.w * step) ** 2
+    per_force = normal_force(p) / p["k"]
+    full, kinetic = p["mu_s"] * per_force, used_mu_k(p["mu_s"], p["mu_k"]) * per_force
+    low, high = np.quantile(friction, [0.01, 0.99])
+    back = friction < 0.5 * (low + high)
+    reversals = np.count_nonzero(np.diff(back))
+    if not _BACK <= np.mean(back) < 1.0 or reversals < _REVERSALS * np.count_nonzero(back):
+        return False
+    # The spring is known up to a constant; either pair of values may be the two of one size.
+    for pair in (low + high, np.median(friction[back]) + np.median(friction[~back])):
+        size = np.abs(friction - 0.5 * pair)
+        off = np.minimum(np.abs(size - full), np.abs(size - kinetic))
+        if np.mean(off < _FULL * full) > _MOST:
+            return True
+    return False
 
 
 def _noises(
@@ -296,16 +369,12 @@ def _quiet_differences(t: Floats, s: Floats) -> Floats:
     count = min(_WINDOWS, 1 + last // 2)
     if last < 0 or count < _LEAST_WINDOWS:
         return np.empty((0, _WINDOW))
-    starts = np.linspace(0, last, count).astype(np.int64)
-    index = starts[:, None] + np.arange(_WINDOW + 3)
-    at, value = t[index], s[index] - s[starts][:, None]
-    nodes = np.stack([at[:, i : i + _WINDOW] for i in range(4)])
-    apart = nodes[:, None] - nodes[None]
-    apart[range(4), range(4)] = 1.0
-    weights = 1.0 / np.prod(apart, axis=1)
-    weights /= np.sqrt(np.sum(weights**2, axis=0))
-    values = np.stack([value[:, i : i + _WINDOW] for i in range(4)])
-    d = np.asarray((weights * values).sum(axis=0))
+    index = np.linspace(0, last, count).astype(np.int64)[:, None] + np.arange(_WINDOW + 3)
+    at, value = t[index], s[index] - s[index[:, :1]]
+    nodes, values = sliding_window_view(at, 4, axis=1), sliding_window_view(value, 4, axis=1)
+    apart = nodes[..., :, None] - nodes[..., None, :] + np.eye(4)
+    weights = 1.0 / np.prod(apart, axis=-1)
+    d = np.sum(weights * values, axis=-1) / np.sqrt(np.sum(weights**2, axis=-1))
     power = np.mean(d**2, axis=1)
     quiet = power <= _OUTLIER * (float(np.quantile(power, _QUIET)) / _QUARTILE)
     for _ in range(3):

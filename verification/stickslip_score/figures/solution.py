@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -24,6 +24,11 @@ def root(rest: Callable[[float], float], low: float, high: float) -> float:
         return low if abs(rest(low)) < abs(rest(high)) else high
     tiny = EPSILON * max(abs(low), abs(high))
     return float(brentq(rest, low, high, xtol=tiny, rtol=4.0 * EPSILON))
+
+
+def normal_force(p: Mapping[str, float]) -> float:
+    """Return the normal force [N] of parameters [SI]; 0 where they lift the mass by rounding."""
+    return max(p["m"] * p["g"] + p["load"], 0.0)
 
 
 @dataclass(frozen=True)
