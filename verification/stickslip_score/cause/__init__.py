@@ -13,16 +13,8 @@ from typing import Any
 import numpy as np
 
 from stickslip_score.cause.judgement import NO_CYCLE, Cause, Evidence, judge
-from stickslip_score.figures import Figures, Phases, break_away, figures_of, find_phases, rests_of
-from stickslip_score.figures.motion import (
-    COARSE,
-    Motion,
-    chatters,
-    is_turned,
-    motion_of,
-    scatter_of,
-    si,
-)
+from stickslip_score.figures import Figures, Phases, break_away, figures_of, find_phases, first_rest
+from stickslip_score.figures.motion import COARSE, Motion, is_turned, motion_of, scatter_of, si
 from stickslip_score.figures.solution import QUANTITIES, Solution, normal_force
 from stickslip_score.fit import Fit, Fits, Slide, explained_by_drift, fit_slide, fits_of
 from stickslip_score.read import Curve, CurveError, Floats
@@ -93,19 +85,16 @@ def _score(curve: Curve, p: Mapping[str, float]) -> Score:
     if p["v"] == 0.0:
         raise CurveError("v = 0: nothing is pulled, so there is no cycle to compare with")
     cycle = steady_cycle({**p, "v": abs(p["v"])}, digits=30)
-    names = ("T", *QUANTITIES[1:])
-    exact = cycle and {n: float(cycle[s]) for n, s in zip(QUANTITIES, names, strict=True)}
+    exact = cycle and {n: float(cycle["T" if n == "period" else n]) for n in QUANTITIES}
     turned = is_turned(curve, p, exact)
     p = {**p, "v": -p["v"]} if turned else p
     w, v = math.sqrt(p["k"] / p["m"]), abs(p["v"])
     gap = (p["mu_s"] - used_mu_k(p["mu_s"], p["mu_k"])) * normal_force(p) / p["k"]
     solution = Solution(w, p["c"] / (2.0 * p["m"] * w), v, gap - p["c"] * v / p["k"])
-    motion = motion_of(curve, p, solution)
-    by_sign = chatters(motion, solution, p)
-    motion, phases, fits = _look(motion.with_noise(0.0) if by_sign else motion, solution)
+    motion, phases, fits = _look(motion_of(curve, p, solution), solution)
     slide = None if exact else fit_slide(motion, solution)
     figures = _figures(motion, phases, fits, slide, solution)
-    evidence = Evidence(curve, p, exact, solution, motion, phases, figures, fits, by_sign, slide)
+    evidence = Evidence(curve, p, exact, solution, motion, phases, figures, fits, slide)
     cause, explanation = judge(evidence)
     against = f"the mass is pulled against the given v: judged with v = {p['v']:g} m/s"
     compared = {}
@@ -207,7 +196,7 @@ def _moving_at_rest(e: Evidence, x_dot: Floats) -> list[str]:
     t = e.motion.t
     inner = np.zeros(t.size, dtype=bool)
     if math.isinf(e.solution.t_slip):
-        window = break_away(e.motion, e.solution, rests_of(e.motion)[0][1])
+        window = break_away(e.motion, e.solution, first_rest(e.motion))
         inner = (t > t[0]) & (t < (window[0] if window else t[-1]))
     else:
         for stick in (stick for stick in e.phases.sticks if stick.rests):

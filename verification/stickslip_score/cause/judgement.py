@@ -7,7 +7,7 @@ from enum import StrEnum
 
 import numpy as np
 
-from stickslip_score.figures import LOST, Figures, Phases, Stick, rests_of
+from stickslip_score.figures import LOST, Figures, Phases, Stick, first_rest
 from stickslip_score.figures.motion import Motion, si
 from stickslip_score.figures.solution import Solution, normal_force
 from stickslip_score.fit import Fit, Fits, Slide, explained_by_drift, solved
@@ -70,7 +70,6 @@ class Evidence:
     phases: Phases
     figures: Figures
     fits: Fits
-    chatters: bool  # whether each sample is a step of a solver that chatters
     slide: Slide | None  # sliding without end, from any start; None where a cycle exists
 
     def lies_on(self, name: str) -> bool:
@@ -110,11 +109,11 @@ def judge(e: Evidence) -> Judgement:
         return Cause.OTHER, e.motion.mismatch
     if e.lies_on("exact"):
         return _on_the_exact_solution(e)
-    if e.exact is None and not e.chatters and (judged := _sliding(e)):
+    if e.exact is None and not e.motion.chatters and (judged := _sliding(e)):
         return judged
     if e.lies_on("one coefficient"):
         return _one_coefficient(e)
-    if e.chatters:
+    if e.motion.chatters:
         return Cause.FIXED_STEP, "the solver chatters in stick: steps cross friction's sign change"
     if not e.motion.measured and e.motion.t.size < _TELLS_NOISE and not e.motion.rests():
         return Cause.NOISY, _TOO_FEW.format(e.motion.t.size)
@@ -184,7 +183,7 @@ def _on_the_exact_solution(e: Evidence) -> Judgement:
 
 def _exact(e: Evidence) -> Judgement:
     fitted, motion, v = e.fits["exact"], e.motion, e.solution.v
-    shift = float(np.median(motion.z - (v * (motion.t - motion.t[0]) - motion.y)))
+    shift = float(motion.z[0] + motion.y[0])
     extension = v * (fitted.t_break - float(motion.t[0])) - fitted.offset + shift
     step = motion.widest_step
     # Samples that pass over the slips tell a break-away only between two of them.
@@ -367,11 +366,8 @@ def _of_a_solver(e: Evidence, exact: Mapping[str, float]) -> Judgement:
     sign, differ = "+" if error >= 0 else "−", si(float(np.ptp(jumps)), "m")
     sentence = f"jumps are off by {sign}{si(abs(error), 'm')} and differ by up to {differ}"
     if _in_steps(e, late):
-        least = si(float(np.ptp(late)), "s")
-        return (
-            Cause.FIXED_STEP,
-            f"fixed steps: events wait for steps of {least} or more; {sentence}",
-        )
+        wait = f"events wait for steps of {si(float(np.ptp(late)), 's')} or more"
+        return Cause.FIXED_STEP, f"fixed steps: {wait}; {sentence}"
     for name in ("gap", "damping", "gap and mass"):
         if name in e.fits and e.fits[name].rms * _CLEAR < min(_shift(e, name), _LOOSE) * swing:
             cause, named = _named(e, name)
@@ -402,11 +398,8 @@ def _in_steps(e: Evidence, late: Floats) -> bool:
     damped = e.fits["damping"].solution if "damping" in e.fits else e.solution
     solution = min(e.solution, damped, key=lambda solution: solution.zeta)
     lacking = late[1:] + _next_late(solution) * late[:-1]
-    fine, few = float(np.ptp(late)) <= _FINE * step, late.size == _FEW
-    if fine and few:
-        return False
-    follows = _CLOSELY if fine or few else _FOLLOWS
-    return _apart(lacking, step) < follows * _apart(late)
+    doubts = (float(np.ptp(late)) <= _FINE * step) + (late.size == _FEW)
+    return _apart(lacking, step) < (_FOLLOWS, _CLOSELY, 0.0)[doubts] * _apart(late)
 
 
 def _apart(times: Floats, step: float = math.inf) -> float:
@@ -430,7 +423,7 @@ def _sliding(e: Evidence) -> Judgement | None:
     """
     if e.slide is not None and e.slide.lies:
         return _exact_slide(e, e.slide)
-    (first, last), t = rests_of(e.motion)[0], e.motion.t
+    last, t = first_rest(e.motion), e.motion.t
     if e.lies_on("one coefficient"):
         return _ONE_COEFFICIENT
     if not e.fits:
@@ -440,20 +433,18 @@ def _sliding(e: Evidence) -> Judgement | None:
         hidden = e.solution.time_to_move(4.0 * e.motion.allowed)
         return _resting(e, e.break_away + e.solution.v * hidden)
     nearest = min(e.fits.values(), key=lambda fit: fit.worst)
-    begin = float(t[0])
-    before = nearest.t_break - float(t[first])
-    lost = before - float(t[last] - t[first])
+    begin, before = float(t[0]), nearest.t_break - float(t[0])
     hidden = max(nearest.solution.time_to_move(4.0 * e.motion.allowed), e.motion.widest_step)
+    lost = nearest.t_break - float(t[last])
     if not e.motion.measured and lost > LOST * before + 2.0 * hidden:
         # Over the middle half of the time before the break-away.
-        quarter = 0.25 * (nearest.t_break - begin)
-        middle = np.interp([begin + quarter, begin + 3.0 * quarter], t, e.motion.y)
-        creep = si(abs(float(middle[1] - middle[0]) / (2.0 * quarter)), "m/s")
+        low, high = np.interp([begin + 0.25 * before, begin + 0.75 * before], t, e.motion.y)
+        creep = si(abs(float(high - low) / (0.5 * before)), "m/s")
         return Cause.REGULARISED, f"regularised friction: the stick phase creeps at {creep}"
     late = (e.fits["gap"].solution.D - e.solution.D) / e.solution.v
     if e.lies_on("gap") and (e.motion.measured or not 0.0 < late <= e.motion.widest_step):
         return _another_slide(e)
-    return None if e.motion.measured else _late_slide(e, nearest, late, rests=last > first)
+    return None if e.motion.measured else _late_slide(e, nearest, late, rests=last > 0)
 
 
 _ONE_COEFFICIENT = Cause.SINGLE_COEFFICIENT, "one friction coefficient: a slide without a gap"

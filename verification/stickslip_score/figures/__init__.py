@@ -141,7 +141,7 @@ def _stick(
 
 
 def _slope(t: Floats, y: Floats, a: int, b: int) -> float:
-    return float((y[b] - y[a]) / (t[b] - t[a])) if b > a else 0.0
+    return float((y[b] - y[a]) / (t[b] - t[a]))
 
 
 def _plateau(t: Floats, y: Floats, band: float) -> tuple[int, int, float]:
@@ -185,16 +185,16 @@ def _invisible(solution: Solution, gap: float, allowed: float) -> tuple[float, f
     return (turn - math.atan2(w * gap, v)) / w, float(min(by_jerk, by_acceleration))
 
 
-def rests_of(motion: Motion) -> list[tuple[int, int]]:
-    """Return first and last sample of the rest at the begin, and of the longest if it is later.
+def first_rest(motion: Motion) -> int:
+    """Return the last sample of those at the begin in which the mass is not seen to move."""
+    out = np.flatnonzero(np.abs(motion.y - motion.y[0]) > VISIBLE * motion.allowed)
+    return int(out[0]) - 1 if out.size else motion.t.size - 1
 
-    In a rest the mass is not seen to move; that at the begin may be of one sample.
-    """
-    band = VISIBLE * motion.allowed
-    out = np.flatnonzero(np.abs(motion.y - motion.y[0]) > band)
-    begin = (0, int(out[0]) - 1 if out.size else motion.t.size - 1)
-    longest = _plateau(motion.t, motion.y, band)[:2]
-    return [begin, longest] if longest[0] > begin[1] else [begin]
+
+def rests_of(motion: Motion) -> list[tuple[int, int]]:
+    """Return first and last sample of the rest at the begin, and of the longest if it is later."""
+    begin, longest = first_rest(motion), _plateau(motion.t, motion.y, VISIBLE * motion.allowed)[:2]
+    return [(0, begin), longest] if longest[0] > begin else [(0, begin)]
 
 
 def break_away(motion: Motion, solution: Solution, last: int) -> tuple[float, float] | None:
@@ -224,19 +224,19 @@ def figures_of(sticks: Sequence[Stick], allowed: float) -> Figures:
     `sticks` are in order of time; `allowed` is how far a position may be off for its digits [m].
     """
     resolved = [stick if stick.rests or stick.creep is not None else None for stick in sticks]
-    slips = [(a, b) for a, b in pairwise(resolved) if a and b and a.end and b.begin]
-    cycles = [(a, b) for a, b in slips if b.end]
-    jumps = tuple(b.level - a.level for a, b in slips)
+    slips = [(a, b, a.end, b.begin) for a, b in pairwise(resolved) if a and b and a.end and b.begin]
+    rests = [(begin, b.end) for _, b, _, begin in slips if b.end]
+    jumps = tuple(b.level - a.level for a, b, *_ in slips)
     values: dict[str, tuple[float, float]] = {}
-    if cycles:
-        values["period"] = _mean_period(resolved)
-        values["t_stick"] = _mean(_between(b.begin, b.end) for _, b in cycles)
+    if rests:
+        values["period"] = _mean_period(stick.end if stick else None for stick in resolved)
+        values["t_stick"] = _mean(_between(*events) for events in rests)
     if slips:
-        values["t_slip"] = _mean(_between(a.end, b.begin) for a, b in slips)
-        levels = [_level_resolution(stick) for slip in slips for stick in slip]
+        values["t_slip"] = _mean(_between(end, begin) for *_, end, begin in slips)
+        levels = [_level_resolution(stick) for a, b, *_ in slips for stick in (a, b)]
         resolution = 2.0 * allowed * len(slips) + sum(levels)
         values["delta_x"] = (sum(jumps) / len(jumps), resolution / len(slips))
-    return Figures(values, len(cycles), jumps)
+    return Figures(values, len(rests), jumps)
 
 
 def _level_resolution(stick: Stick) -> float:
@@ -246,10 +246,8 @@ def _level_resolution(stick: Stick) -> float:
     return 0.25 * abs(stick.creep) * (stick.end.low - stick.begin.high)
 
 
-def _between(begin: Event | None, end: Event | None) -> tuple[float, float]:
+def _between(begin: Event, end: Event) -> tuple[float, float]:
     """Middle and half the width of the time between two events, never below 0."""
-    assert begin is not None
-    assert end is not None
     least, most = max(end.low - begin.high, 0.0), max(end.high - begin.low, 0.0)
     return 0.5 * (least + most), 0.5 * (most - least)
 
@@ -259,10 +257,9 @@ def _mean(bounds: Iterable[tuple[float, float]]) -> tuple[float, float]:
     return sum(middles) / len(middles), sum(halves) / len(halves)
 
 
-def _mean_period(sticks: Sequence[Stick | None]) -> tuple[float, float]:
+def _mean_period(ends: Iterable[Event | None]) -> tuple[float, float]:
     """Return the mean period: the events inside an unbroken chain of cycles cancel."""
-    ends = (stick.end if stick else None for stick in sticks)
-    chains = [list(chain) for is_seen, chain in groupby(ends, bool) if is_seen]
+    chains = [[e for e in chain if e] for is_seen, chain in groupby(ends, bool) if is_seen]
     spans = [_between(chain[0], chain[-1]) for chain in chains if len(chain) > 1]
     count = sum(len(chain) - 1 for chain in chains)
     return sum(middle for middle, _ in spans) / count, sum(half for _, half in spans) / count

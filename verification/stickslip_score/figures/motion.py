@@ -77,6 +77,7 @@ class Motion:
     drift: float  # slow part of F - k (v t - x), from its lowest to its highest [N]
     mismatch: str  # why x and F do not belong together with this k; empty where they do
     blur: float = 0.0  # half the time over which y and z are averages [s]
+    chatters: bool = False  # whether each sample is a step of a solver that chatters in stick
 
     @property
     def noise(self) -> float:
@@ -121,16 +122,10 @@ class Motion:
         count = max(1, math.ceil(min(enough, longest, self.t.size / 4.0)))
         if count == 1:
             return self
-        y, z = (uniform_filter1d(s, count, mode="nearest") for s in (self.y, self.z))
-        some = slice(None, None, count // 2)
-        return replace(
-            self,
-            t=self.t[some],
-            y=y[some],
-            z=z[some],
-            noises={**self.noises, self.source: self.noise / math.sqrt(count)},
-            blur=0.5 * count * self.step,
-        )
+        some, blur = slice(None, None, count // 2), 0.5 * count * self.step
+        y, z = (uniform_filter1d(s, count, mode="nearest")[some] for s in (self.y, self.z))
+        noises = {**self.noises, self.source: self.noise / math.sqrt(count)}
+        return replace(self, t=self.t[some], y=y, z=z, noises=noises, blur=blur)
 
 
 def motion_of(curve: Curve, p: Mapping[str, float], solution: Solution) -> Motion:
@@ -167,7 +162,7 @@ def motion_of(curve: Curve, p: Mapping[str, float], solution: Solution) -> Motio
         z += float(np.median(extension - z))
         scatter = _DEVIATIONS * math.hypot(*noises.values()) / math.sqrt(since.size)
         z_allowed = curve.F_rounding / k + drift + scatter
-    return Motion(
+    motion = Motion(
         t=curve.t,
         y=positions[source],
         z=z,
@@ -179,6 +174,8 @@ def motion_of(curve: Curve, p: Mapping[str, float], solution: Solution) -> Motio
         drift=k * drift,
         mismatch=mismatch,
     )
+    by_sign = _chatters(motion, solution, p)
+    return replace(motion.with_noise(0.0), chatters=True) if by_sign else motion
 
 
 def is_turned(curve: Curve, p: Mapping[str, float], exact: Mapping[str, float] | None) -> bool:
@@ -207,7 +204,7 @@ def is_turned(curve: Curve, p: Mapping[str, float], exact: Mapping[str, float] |
     return way * due < 0.0 and abs(way) > _SIGN * abs(due)
 
 
-def chatters(motion: Motion, solution: Solution, p: Mapping[str, float]) -> bool:
+def _chatters(motion: Motion, solution: Solution, p: Mapping[str, float]) -> bool:
     """Tell whether each sample is a step of a solver with friction by the sign of the velocity.
 
     In stick full friction drives it now one way, now the other, so that the friction force that its
