@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -59,7 +59,7 @@ class Fit:
     white: bool  # whether the distances are noise, each sample's independent of the next one's
     repeats: bool  # whether the distances have a shape that comes again in each cycle
     samples: int
-    spread: dict[str, float]  # how far each free number may be off for the digits, in its unit
+    spread: dict[str, float]  # how far t_break and each free number may be off for the digits
     covariance: Floats  # of the free numbers, in this order, from the distances of the samples
 
     @property
@@ -97,9 +97,9 @@ class Fit:
         cycles = max(0, math.floor(since / values["period"] * (1.0 + 1e-12)))
         shown = ["period", "t_stick"] if cycles else []
         shown += ["t_slip", "delta_x"] if since >= values["t_slip"] else []
-        free = [name for name in self.spread if name != "t_break"]
+        _, *free = self.spread
         by_digits = [self._reach({name: 2.0 * self.spread[name]}) for name in free]
-        by_noise = [self._reach(move) for move in self._independent(free)] if self.noisy else []
+        by_noise = [self._reach(move) for move in self._independent()] if self.noisy else []
         resolved = {}
         for name in shown:
             resolution = sum(reach[name] for reach in by_digits)
@@ -108,10 +108,10 @@ class Fit:
             resolved[name] = values[name], resolution
         return Figures(resolved, cycles)
 
-    def _independent(self, free: Sequence[str]) -> list[dict[str, float]]:
-        """Return moves of the free numbers that noise makes independently of each other."""
-        at = [list(self.spread).index(name) for name in free]
-        sizes, axes = np.linalg.eigh(self.covariance[np.ix_(at, at)])
+    def _independent(self) -> list[dict[str, float]]:
+        """Return moves of D, w, zeta that noise makes independently of each other."""
+        _, *free = self.spread
+        sizes, axes = np.linalg.eigh(self.covariance[1:, 1:])
         columns = (axes * (_DEVIATIONS * np.sqrt(np.maximum(sizes, 0.0)))).T
         return [dict(zip(free, column.tolist(), strict=True)) for column in columns]
 

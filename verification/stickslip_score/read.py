@@ -157,10 +157,7 @@ def _count_step(column: Floats) -> float:
 
 
 def _half_unit_of_time(t: Floats) -> float:
-    """As `half_unit`; an even grid of round numbers has none.
-
-    Steps of 0.1 s hit their grid to the last bit; 1/60 s, written with five digits, scatters.
-    """
+    """Return `half_unit` of times; 0 for an even grid, which steps of 0.1 s hit to the last bit."""
     scatter = float(np.max(np.abs(t - np.linspace(t[0], t[-1], t.size))))
     printed = half_unit(t)
     return scatter if scatter < _ON_THE_GRID * printed else printed

@@ -11,7 +11,7 @@ slowest; there it either rests, to the digits of the samples, or creeps. docs/th
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import groupby, pairwise
 
@@ -229,10 +229,14 @@ def figures_of(sticks: Sequence[Stick], allowed: float) -> Figures:
     jumps = tuple(b.level - a.level for a, b, *_ in slips)
     values: dict[str, tuple[float, float]] = {}
     if rests:
-        values["period"] = _mean_period(stick.end if stick else None for stick in resolved)
-        values["t_stick"] = _mean(_between(*events) for events in rests)
+        # The events inside an unbroken chain of cycles cancel.
+        ends = (stick.end if stick else None for stick in resolved)
+        chains = [[end for end in chain if end] for _, chain in groupby(ends, bool)]
+        spans = [_between(chain[0], chain[-1]) for chain in chains if len(chain) > 1]
+        values["period"] = _mean(spans, len(rests))
+        values["t_stick"] = _mean([_between(*events) for events in rests], len(rests))
     if slips:
-        values["t_slip"] = _mean(_between(end, begin) for *_, end, begin in slips)
+        values["t_slip"] = _mean([_between(end, begin) for *_, end, begin in slips], len(slips))
         levels = [_level_resolution(stick) for a, b, *_ in slips for stick in (a, b)]
         resolution = 2.0 * allowed * len(slips) + sum(levels)
         values["delta_x"] = (sum(jumps) / len(jumps), resolution / len(slips))
@@ -252,14 +256,6 @@ def _between(begin: Event, end: Event) -> tuple[float, float]:
     return 0.5 * (least + most), 0.5 * (most - least)
 
 
-def _mean(bounds: Iterable[tuple[float, float]]) -> tuple[float, float]:
-    middles, halves = zip(*bounds, strict=True)
-    return sum(middles) / len(middles), sum(halves) / len(halves)
-
-
-def _mean_period(ends: Iterable[Event | None]) -> tuple[float, float]:
-    """Return the mean period: the events inside an unbroken chain of cycles cancel."""
-    chains = [[e for e in chain if e] for is_seen, chain in groupby(ends, bool) if is_seen]
-    spans = [_between(chain[0], chain[-1]) for chain in chains if len(chain) > 1]
-    count = sum(len(chain) - 1 for chain in chains)
+def _mean(spans: Sequence[tuple[float, float]], count: int) -> tuple[float, float]:
+    """Return middle and half the width of the mean of `count` times that make up some spans."""
     return sum(middle for middle, _ in spans) / count, sum(half for _, half in spans) / count

@@ -225,12 +225,10 @@ def _chatters(motion: Motion, solution: Solution, p: Mapping[str, float]) -> boo
     if not _BACK <= np.mean(back) < 1.0 or reversals < _REVERSALS * np.count_nonzero(back):
         return False
     # The spring is known up to a constant; either pair of values may be the two of one size.
-    for pair in (low + high, np.median(friction[back]) + np.median(friction[~back])):
-        size = np.abs(friction - 0.5 * pair)
-        off = np.minimum(np.abs(size - full), np.abs(size - kinetic))
-        if np.mean(off < _FULL * full) > _MOST:
-            return True
-    return False
+    pairs = np.array([low + high, np.median(friction[back]) + np.median(friction[~back])])
+    size = np.abs(friction - 0.5 * pairs[:, None])
+    off = np.minimum(np.abs(size - full), np.abs(size - kinetic))
+    return bool(np.any(np.mean(off < _FULL * full, axis=1) > _MOST))
 
 
 def _noises(
@@ -346,10 +344,7 @@ def _noise(t: Floats, s: Floats, digits: float) -> float:
 
 
 def scatter_of(t: Floats, s: Floats) -> float:
-    """Return the standard deviation of the scatter from sample to sample, whatever it comes from.
-
-    NaN where the samples are too few.
-    """
+    """Return the standard deviation of any scatter from sample to sample; NaN for few samples."""
     return _rms(_quiet_differences(t, s))
 
 
@@ -364,14 +359,15 @@ def _quiet_differences(t: Floats, s: Floats) -> Floats:
     """
     last = t.size - _WINDOW - 3
     count = min(_WINDOWS, 1 + last // 2)
-    if last < 0 or count < _LEAST_WINDOWS:
+    if count < _LEAST_WINDOWS:
         return np.empty((0, _WINDOW))
     index = np.linspace(0, last, count).astype(np.int64)[:, None] + np.arange(_WINDOW + 3)
     at, value = t[index], s[index] - s[index[:, :1]]
     nodes, values = sliding_window_view(at, 4, axis=1), sliding_window_view(value, 4, axis=1)
     apart = nodes[..., :, None] - nodes[..., None, :] + np.eye(4)
     weights = 1.0 / np.prod(apart, axis=-1)
-    d = np.sum(weights * values, axis=-1) / np.sqrt(np.sum(weights**2, axis=-1))
+    weights /= np.sqrt(np.sum(weights**2, axis=-1, keepdims=True))
+    d = np.sum(weights * values, axis=-1)
     power = np.mean(d**2, axis=1)
     quiet = power <= _OUTLIER * (float(np.quantile(power, _QUIET)) / _QUARTILE)
     for _ in range(3):
