@@ -49,35 +49,33 @@ _FLOOR = 1e-12  # of a figure: digits of the double-precision arithmetic of the 
 class Fit:
     """The solution that comes nearest to a curve, with the free numbers at their best."""
 
+    part: Part  # the samples
     solution: Solution
     t_break: float  # first break-away [s]
     offset: float  # position of the mass before it [m]
-    noisy: bool  # whether the samples have noise
-    digits: float  # how far a sample may be off for its digits [m]
     worst: float  # largest distance of a sample from the solution [m]
     rms: float  # root mean square of the distances [m]
     white: bool  # whether the distances are noise, each sample's independent of the next one's
     repeats: bool  # whether the distances have a shape that comes again in each cycle
-    samples: int
     spread: dict[str, float]  # how far t_break and each free number may be off for the digits
     covariance: Floats  # of the free numbers, in this order, from the distances of the samples
 
     @property
     def by_digits(self) -> bool:
         """Whether all samples lie on the solution, to their digits."""
-        is_rounded = self.rms <= _ROUNDED * self.digits
-        return self.worst <= (_FLIPS if is_rounded else _EXCESS) * self.digits
+        is_rounded = self.rms <= _ROUNDED * self.part.digits
+        return self.worst <= (_FLIPS if is_rounded else _EXCESS) * self.part.digits
 
     @property
     def lies(self) -> bool:
         """Whether all samples lie on the solution, to their digits or their noise."""
-        return self.by_digits or (self.noisy and self.white)
+        return self.by_digits or (self.part.noisy and self.white)
 
     @property
     def criterion(self) -> float:
         """Schwarz's information criterion, with the digits of the samples as noise."""
-        power = math.log(self.rms**2 + self.digits**2)
-        return self.samples * power + len(self.spread) * math.log(self.samples)
+        power, count = math.log(self.rms**2 + self.part.digits**2), self.part.t.size
+        return count * power + len(self.spread) * math.log(count)
 
     def deviation(self, name: str) -> float:
         """Return the standard deviation of a free number, in its unit."""
@@ -99,7 +97,7 @@ class Fit:
         shown += ["t_slip", "delta_x"] if since >= values["t_slip"] else []
         _, *free = self.spread
         by_digits = [self._reach({name: 2.0 * self.spread[name]}) for name in free]
-        by_noise = [self._reach(move) for move in self._independent()] if self.noisy else []
+        by_noise = [self._reach(move) for move in self._independent()] if self.part.noisy else []
         resolved = {}
         for name in shown:
             resolution = sum(reach[name] for reach in by_digits)
@@ -166,7 +164,7 @@ class Part:
         if more.t.size == self.t.size or not fit.by_digits:
             return fit
         # So many samples tell noise; that all lie on the solution, only all of them do.
-        return replace(fit, worst=_half_range(self._residual(best)), samples=self.t.size)
+        return replace(fit, part=self, worst=_half_range(self._residual(best)))
 
     def _thinned(self, most: int) -> Part:
         stride = -(-self.t.size // most)
@@ -182,9 +180,7 @@ class Part:
         radians = (self.window[1] - self.window[0]) * self.solution.w
         places = max(_SEEDS, math.ceil(radians / (_FINE if few else _WIDE)))
         candidates = np.linspace(*self.window, min(places, _MOST_SEEDS))
-        cost = np.array(
-            [np.sum(some._residual({"t_break": at}) ** 2) for at in candidates.tolist()]
-        )
+        cost = np.array([np.sum(some._residual({"t_break": at}) ** 2) for at in candidates])
         walled = np.concatenate([[np.inf], cost, [np.inf]])
         valleys = np.flatnonzero((cost < walled[:-2]) & (cost <= walled[2:]))
         best = valleys[np.argsort(cost[valleys], kind="stable")]
@@ -251,16 +247,14 @@ class Part:
         rms = math.sqrt(float(r @ r) / max(r.size - len(numbers) - 1 - self.drifts, 1))
         repeats, wanders = _by_cycle(self.t, r, after, best.figures()["period"])
         return Fit(
+            part=self,
             solution=best,
             t_break=numbers["t_break"],
             offset=float(np.mean(self.y - best.position(after))),
-            noisy=self.noisy,
-            digits=self.digits,
             worst=_half_range(r),
             rms=rms,
             white=_is_white(self.t, r) and not wanders,
             repeats=repeats,
-            samples=self.t.size,
             spread=dict(zip(numbers, reach.tolist(), strict=True)),
             covariance=rms**2 * _correlation(r) * normal / np.outer(scale, scale),
         )
@@ -295,7 +289,7 @@ def _by_cycle(t: Floats, r: Floats, after: Floats, period: float) -> tuple[bool,
     """
     number = np.floor(after / period)
     seen = number >= 0.0
-    if not seen.any() or not number[-1] >= _LEAST_CYCLES:
+    if not number[-1] >= _LEAST_CYCLES:
         return True, False
     part = np.floor((after - number * period)[seen] / period * _PARTS).astype(np.int64) % _PARTS
     index = number[seen].astype(np.int64) * _PARTS + part

@@ -133,15 +133,14 @@ def judge(e: Evidence) -> Judgement:
 
 
 def _on_no_solution(e: Evidence, creeping: list[Stick]) -> Judgement:
-    gap = e.fits.get("gap")
     lasts = float(e.motion.t[-1] - e.motion.t[0])
     if e.motion.measured and e.phases.only_rests and lasts > e.solution.relief / e.solution.v:
         jump = si(e.solution.figures()["delta_x"], "m")
         return Cause.NOISY, f"the {_noise_in_words(e)}, hides the motion: a jump of {jump} is due"
     if e.motion.measured and not e.fits:
         return _without_a_slip(e)
-    if e.motion.measured and gap and not gap.repeats:
-        return _slow_noise(e, gap)
+    if e.motion.measured and not e.fits["gap"].repeats:
+        return _slow_noise(e, e.fits["gap"])
     paces = [stick.late_over_early for stick in creeping]
     pace = float(np.median([ratio for ratio in paces if not math.isnan(ratio)] or [math.nan]))
     if creeping and e.motion.noises.keys() == {"F"} and abs(pace - 1.0) < _EVEN:
@@ -170,9 +169,8 @@ def _on_no_solution(e: Evidence, creeping: list[Stick]) -> Judgement:
 def _on_the_exact_solution(e: Evidence) -> Judgement:
     if not e.motion.measured or "gap" not in e.fits:
         return _exact(e)
-    gap = e.fits["gap"]
-    known, off = _known(e, gap), abs(gap.solution.D - e.solution.D)
-    if not known < _HIDES or off > _SURE / _DEVIATIONS * known * e.solution.swing():
+    known, is_exact = _known(e, e.fits["gap"])
+    if not (known < _HIDES and is_exact):
         return _another_block(e) or _block(e, "gap")
     cause, sentence = _exact(e)
     if cause is Cause.EXACT:
@@ -213,9 +211,11 @@ def _noise_in_words(e: Evidence) -> str:
     return f"noise of {motion.source}, {noise} rms"
 
 
-def _known(e: Evidence, gap: Fit) -> float:
-    """Return how well noise and digits let the gap be known, in parts of the swing."""
-    return (_DEVIATIONS * gap.deviation("D") + 2.0 * gap.spread["D"]) / e.solution.swing()
+def _known(e: Evidence, gap: Fit) -> tuple[float, bool]:
+    """Return how well noise and digits tell the gap, in parts of the swing, and if it is exact."""
+    known = (_DEVIATIONS * gap.deviation("D") + 2.0 * gap.spread["D"]) / e.solution.swing()
+    off = abs(gap.solution.D - e.solution.D)
+    return known, not off > _SURE / _DEVIATIONS * known * e.solution.swing()
 
 
 def _tolerance(off: float) -> Judgement:
@@ -277,7 +277,7 @@ def _named(e: Evidence, name: str) -> Judgement:
 
 def _block(e: Evidence, name: str) -> Judgement:
     is_gap, measured, known = name == "gap", e.motion.measured, 0.0
-    if is_gap and measured and not (known := _known(e, e.fits["gap"])) < _HIDES:
+    if is_gap and measured and not (known := _known(e, e.fits["gap"])[0]) < _HIDES:
         return Cause.NOISY, (
             f"the {_noise_in_words(e)}, hides whether static friction is larger than kinetic: "
             f"their gap is known to {100.0 * known:.2g} % of the swing; a noise "
@@ -293,10 +293,10 @@ def _block(e: Evidence, name: str) -> Judgement:
 
 
 def _slow_noise(e: Evidence, gap: Fit) -> Judgement:
-    known, shift = _known(e, gap), abs(gap.solution.D - e.solution.D)
+    known, is_exact = _known(e, gap)
     off = f"samples are off by {si(gap.rms, 'm')} rms, unlike from cycle to cycle, and the "
     off += f"{_noise_in_words(e)} from sample to sample"
-    if shift > _SURE / _DEVIATIONS * known * e.solution.swing():
+    if not is_exact:
         ratio = _percent(e.gap_ratio(gap.solution.D))
         return Cause.OTHER, f"{_NO_CAUSE}: (mu_s - mu_k) N is {ratio} on average, and {off}"
     return Cause.NOISY, f"{off}: slow noise; (mu_s - mu_k) N is exact within {100.0 * known:.2g} %"
