@@ -3,24 +3,16 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.optimize import least_squares
 from scipy.signal import correlate
 
-from stickslip_score.figures import (
-    EPSILON,
-    VISIBLE,
-    Figures,
-    Motion,
-    Phases,
-    Solution,
-    plateau,
-    root,
-    scatter_of,
-)
+from stickslip_score.figures import Figures, Phases, break_away, rests_of
+from stickslip_score.figures.motion import Motion, scatter_of, without_drift
+from stickslip_score.figures.solution import EPSILON, QUANTITIES, Solution, root
 from stickslip_score.read import LEAST_SAMPLES, Floats
 
 _EXCESS = 1.25  # on a solution: the digits once, and what the least squares share out of them
@@ -57,35 +49,33 @@ _FLOOR = 1e-12  # of a figure: digits of the double-precision arithmetic of the 
 class Fit:
     """The solution that comes nearest to a curve, with the free numbers at their best."""
 
+    part: Part  # the samples
     solution: Solution
     t_break: float  # first break-away [s]
     offset: float  # position of the mass before it [m]
-    noisy: bool  # whether the samples have noise
-    digits: float  # how far a sample may be off for its digits [m]
     worst: float  # largest distance of a sample from the solution [m]
     rms: float  # root mean square of the distances [m]
     white: bool  # whether the distances are noise, each sample's independent of the next one's
     repeats: bool  # whether the distances have a shape that comes again in each cycle
-    samples: int
-    spread: dict[str, float]  # how far each free number may be off for the digits, in its unit
+    spread: dict[str, float]  # how far t_break and each free number may be off for the digits
     covariance: Floats  # of the free numbers, in this order, from the distances of the samples
 
     @property
     def by_digits(self) -> bool:
         """Whether all samples lie on the solution, to their digits."""
-        is_rounded = self.rms <= _ROUNDED * self.digits
-        return self.worst <= (_FLIPS if is_rounded else _EXCESS) * self.digits
+        is_rounded = self.rms <= _ROUNDED * self.part.digits
+        return self.worst <= (_FLIPS if is_rounded else _EXCESS) * self.part.digits
 
     @property
     def lies(self) -> bool:
         """Whether all samples lie on the solution, to their digits or their noise."""
-        return self.by_digits or (self.noisy and self.white)
+        return self.by_digits or (self.part.noisy and self.white)
 
     @property
     def criterion(self) -> float:
         """Schwarz's information criterion, with the digits of the samples as noise."""
-        power = math.log(self.rms**2 + self.digits**2)
-        return self.samples * power + len(self.spread) * math.log(self.samples)
+        power, count = math.log(self.rms**2 + self.part.digits**2), self.part.t.size
+        return count * power + len(self.spread) * math.log(count)
 
     def deviation(self, name: str) -> float:
         """Return the standard deviation of a free number, in its unit."""
@@ -105,33 +95,34 @@ class Fit:
         cycles = max(0, math.floor(since / values["period"] * (1.0 + 1e-12)))
         shown = ["period", "t_stick"] if cycles else []
         shown += ["t_slip", "delta_x"] if since >= values["t_slip"] else []
-        free = [name for name in self.spread if name != "t_break"]
-        by_digits = [{name: 2.0 * self.spread[name]} for name in free]
-        by_noise = self._independent(free) if self.noisy else []
+        _, *free = self.spread
+        by_digits = [self._reach({name: 2.0 * self.spread[name]}) for name in free]
+        by_noise = [self._reach(move) for move in self._independent()] if self.part.noisy else []
         resolved = {}
         for name in shown:
-            resolution = sum(self._reach(move, name) for move in by_digits)
-            resolution += math.hypot(*(self._reach(move, name) for move in by_noise))
+            resolution = sum(reach[name] for reach in by_digits)
+            resolution += math.hypot(*(reach[name] for reach in by_noise))
             resolution += _FLOOR * values["period" if name != "delta_x" else "delta_x"]
             resolved[name] = values[name], resolution
         return Figures(resolved, cycles)
 
-    def _independent(self, free: Sequence[str]) -> list[dict[str, float]]:
-        """Return moves of the free numbers that noise makes independently of each other."""
-        at = [list(self.spread).index(name) for name in free]
-        sizes, axes = np.linalg.eigh(self.covariance[np.ix_(at, at)])
+    def _independent(self) -> list[dict[str, float]]:
+        """Return moves of D, w, zeta that noise makes independently of each other."""
+        _, *free = self.spread
+        sizes, axes = np.linalg.eigh(self.covariance[1:, 1:])
         columns = (axes * (_DEVIATIONS * np.sqrt(np.maximum(sizes, 0.0)))).T
         return [dict(zip(free, column.tolist(), strict=True)) for column in columns]
 
-    def _reach(self, move: Mapping[str, float], quantity: str) -> float:
-        middle = self.solution.figures()[quantity]
-        shown = []
+    def _reach(self, move: Mapping[str, float]) -> dict[str, float]:
+        """Return how far a move either way shifts the figures; NaN where no cycle is left."""
+        middle, reach = self.solution.figures(), dict.fromkeys(QUANTITIES, math.nan)
         for sign in (-1.0, 1.0):
             numbers = {name: getattr(self.solution, name) + sign * by for name, by in move.items()}
             numbers["D"] = max(numbers.get("D", self.solution.D), 0.0)
             moved = replace(self.solution, **numbers)
-            shown += [moved.figures()[quantity]] if moved.w > 0.0 else []
-        return max((abs(x - middle) for x in shown if not math.isnan(x)), default=math.nan)
+            shown = moved.figures() if moved.w > 0.0 else {}
+            reach |= {n: float(np.fmax(reach[n], abs(shown[n] - middle[n]))) for n in shown}
+        return reach
 
 
 @dataclass(frozen=True)
@@ -173,7 +164,7 @@ class Part:
         if more.t.size == self.t.size or not fit.by_digits:
             return fit
         # So many samples tell noise; that all lie on the solution, only all of them do.
-        return replace(fit, worst=_half_range(self._residual(best)), samples=self.t.size)
+        return replace(fit, part=self, worst=_half_range(self._residual(best)))
 
     def _thinned(self, most: int) -> Part:
         stride = -(-self.t.size // most)
@@ -189,9 +180,7 @@ class Part:
         radians = (self.window[1] - self.window[0]) * self.solution.w
         places = max(_SEEDS, math.ceil(radians / (_FINE if few else _WIDE)))
         candidates = np.linspace(*self.window, min(places, _MOST_SEEDS))
-        cost = np.array(
-            [np.sum(some._residual({"t_break": at}) ** 2) for at in candidates.tolist()]
-        )
+        cost = np.array([np.sum(some._residual({"t_break": at}) ** 2) for at in candidates])
         walled = np.concatenate([[np.inf], cost, [np.inf]])
         valleys = np.flatnonzero((cost < walled[:-2]) & (cost <= walled[2:]))
         best = valleys[np.argsort(cost[valleys], kind="stable")]
@@ -199,15 +188,8 @@ class Part:
 
     def _residual(self, numbers: Mapping[str, float]) -> Floats:
         solution = _with(self.solution, numbers)
-        return self._centred(self.y - solution.position(self.t - numbers["t_break"]))
-
-    def _centred(self, r: Floats) -> Floats:
-        """Return distances, shape (n,) or (n, m), without what is a constant or drift in them."""
-        if not self.drifts:
-            return np.asarray(r - np.mean(r, axis=0))
-        at = 2.0 * (self.t - self.t[0]) / (self.t[-1] - self.t[0]) - 1.0
-        basis, _ = np.linalg.qr(np.polynomial.legendre.legvander(at, self.drifts))
-        return np.asarray(r - basis @ (basis.T @ r))
+        r = self.y - solution.position(self.t - numbers["t_break"])
+        return without_drift(self.t, r, self.drifts)
 
     def _steps(self, numbers: Iterable[str]) -> Floats:
         """Return steps of free numbers: a millionth of what changes the motion."""
@@ -227,11 +209,9 @@ class Part:
             moved = 2.0 * late or getattr(high, name) - getattr(low, name)
             change = low.position(after + late) - high.position(after - late)
             columns.append(change / (moved or math.inf))
-        return self._centred(np.stack(columns, axis=1))
+        return without_drift(self.t, np.stack(columns, axis=1), self.drifts)
 
     def _least_squares(self, numbers: dict[str, float]) -> dict[str, float]:
-        if self.t.size <= len(numbers):
-            return numbers
         scales, origin = 1e6 * self._steps(numbers), np.array(list(numbers.values()))
 
         def moved(moves: Floats) -> dict[str, float]:
@@ -267,16 +247,14 @@ class Part:
         rms = math.sqrt(float(r @ r) / max(r.size - len(numbers) - 1 - self.drifts, 1))
         repeats, wanders = _by_cycle(self.t, r, after, best.figures()["period"])
         return Fit(
+            part=self,
             solution=best,
             t_break=numbers["t_break"],
             offset=float(np.mean(self.y - best.position(after))),
-            noisy=self.noisy,
-            digits=self.digits,
             worst=_half_range(r),
             rms=rms,
             white=_is_white(self.t, r) and not wanders,
             repeats=repeats,
-            samples=self.t.size,
             spread=dict(zip(numbers, reach.tolist(), strict=True)),
             covariance=rms**2 * _correlation(r) * normal / np.outer(scale, scale),
         )
@@ -311,23 +289,19 @@ def _by_cycle(t: Floats, r: Floats, after: Floats, period: float) -> tuple[bool,
     """
     number = np.floor(after / period)
     seen = number >= 0.0
-    if not seen.any() or not number[-1] >= _LEAST_CYCLES:
+    if not number[-1] >= _LEAST_CYCLES:
         return True, False
     part = np.floor((after - number * period)[seen] / period * _PARTS).astype(np.int64) % _PARTS
     index = number[seen].astype(np.int64) * _PARTS + part
     shape = (int(number[-1]) + 1) * _PARTS
-    counts = np.bincount(index, minlength=shape).reshape(-1, _PARTS).astype(np.float64)
-    sums = np.bincount(index, r[seen], minlength=shape).reshape(-1, _PARTS)
-    means = sums / np.maximum(counts, 1)
-    filled = float(np.sum(counts > 0))
-    times = np.maximum(np.sum(counts > 0, axis=0), 1)
+    counts = np.bincount(index, minlength=shape).reshape(-1, _PARTS)
+    means = np.bincount(index, r[seen], shape).reshape(-1, _PARTS) / np.maximum(counts, 1)
+    filled, times = np.count_nonzero(counts), np.maximum(np.count_nonzero(counts, axis=0), 1)
     common = np.sum(means, axis=0) / times
-    scatter = np.sum(np.where(counts > 0, means - common, 0.0) ** 2) / max(filled - _PARTS, 1.0)
-    power, most = float(np.sum(counts * means**2)), filled + _WANDERS * math.sqrt(2.0 * filled)
-    return (
-        bool(np.mean(times * common**2) > _SHAPE * scatter),
-        power > most * scatter_of(t, r) ** 2,
-    )
+    scatter = np.sum((means - common)[counts > 0] ** 2) / max(filled - _PARTS, 1)
+    power, most = np.sum(counts * means**2), filled + _WANDERS * math.sqrt(2.0 * filled)
+    repeats = np.mean(times * common**2) > _SHAPE * scatter
+    return bool(repeats), bool(power > most * scatter_of(t, r) ** 2)
 
 
 def _correlation(r: Floats) -> float:
@@ -381,31 +355,6 @@ def fit_slide(motion: Motion, solution: Solution) -> Slide | None:
     )
 
 
-@dataclass(frozen=True)
-class Rest:
-    """Samples `first` to `last` (indices), in which a mass is not seen to move."""
-
-    first: int
-    last: int
-
-    def window(self, motion: Motion, solution: Solution) -> tuple[float, float] | None:
-        """Return between which times the mass breaks away [s]; None where it rests on."""
-        if self.last + 1 >= motion.t.size:
-            return None
-        # The band of a rest is `VISIBLE` wide, and so may its level be off.
-        hidden = solution.time_to_move(2.0 * VISIBLE * motion.allowed)
-        return float(motion.t[self.last]) - hidden, float(motion.t[self.last + 1])
-
-
-def rests_of(motion: Motion) -> tuple[Rest, ...]:
-    """Return the rest with which the curve begins, if only of one sample, and its longest."""
-    band = VISIBLE * motion.allowed
-    out = np.flatnonzero(np.abs(motion.y - motion.y[0]) > band)
-    begin = Rest(0, int(out[0]) - 1 if out.size else motion.t.size - 1)
-    longest = Rest(*plateau(motion.t, motion.y, band)[:2])
-    return (begin, longest) if longest.first > begin.last else (begin,)
-
-
 Fits = Mapping[str, Fit]  # by what is free: gap, gap and mass, damping, ... or exact
 
 
@@ -447,18 +396,21 @@ def fits_of(motion: Motion, phases: Phases, solution: Solution) -> dict[str, Fit
         part = cut[0 if starts_at_rest else -1]
         exact = part.fit()
     fits = {"exact": exact, "one coefficient": part.nearest([solution.without_gap()])}
-    times = phases.high_times
-    period = float(times[-1] - times[0]) / (times.size - 1) if times.size > 1 else math.nan
-    v, w = solution.v, solution.w
-    seeds = [solution, *_seed(solution, period, "D", 1e-3 * v / w, 0.5 * v * period)]
-    fits["gap"] = part.nearest(seeds, "D")
+    times, v, w = phases.high_times, solution.v, solution.w
+    period = float(times[-1] - times[0]) / (times.size - 1) if times.size > 1 else 0.0
+
+    def seeds(**ranges: tuple[float, float]) -> list[Solution]:
+        names = ranges if period else []
+        others = [solved(solution, "period", period, name, *ranges[name]) for name in names]
+        return [solution, *others]
+
+    gaps = 1e-3 * v / w, 0.5 * v * period
+    fits["gap"] = part.nearest(seeds(D=gaps), "D")
     other = not (fits["gap"].lies or part.coarse)
     if motion.noise or other:
-        damped = [solution, *_seed(solution, period, "zeta", -0.3, 0.9)]
-        fits["damping"] = part.nearest(damped, "zeta")
+        fits["damping"] = part.nearest(seeds(zeta=(-0.3, 0.9)), "zeta")
     if other:
-        seeds += _seed(solution, period, "w", 0.5 * w, 2.0 * w)
-        fits["gap and mass"] = part.nearest(seeds, "D", "w")
+        fits["gap and mass"] = part.nearest(seeds(D=gaps, w=(0.5 * w, 2.0 * w)), "D", "w")
     if motion.noises.keys() == {"F"} and not any(fit.lies for fit in fits.values()):
         # The zero of the sensor may drift.
         cycles = float(part.t[-1] - part.t[0]) / solution.figures()["period"]
@@ -492,13 +444,13 @@ def _part(motion: Motion, solution: Solution, first: int, window: tuple[float, f
 
 def _fits_without_cycle(motion: Motion, solution: Solution) -> dict[str, Fit]:
     fits: dict[str, Fit] = {}
-    for rest in rests_of(motion):
+    for first, last in rests_of(motion):
         parts = [
-            _part(motion, way, rest.first, window)
+            _part(motion, way, first, window)
             for way in (solution, solution.without_gap())
-            if (window := rest.window(motion, way))
+            if (window := break_away(motion, way, last))
         ]
-        if not parts or motion.t.size - rest.first < LEAST_SAMPLES:
+        if not parts or motion.t.size - first < LEAST_SAMPLES:
             continue
         exact = parts[0].fit()
         if exact.lies:
@@ -517,9 +469,9 @@ def _parts(motion: Motion, phases: Phases, solution: Solution) -> list[Part]:
     period = solution.figures()["period"]
     coarse = float(np.median(np.diff(motion.t))) > _COARSE * period
     for index in range(min(phases.highs.size, 2)):
-        if phases.high_samples[index] == 0:
+        high = int(np.searchsorted(motion.t, phases.high_times[index]))
+        if high == 0:
             continue
-        high = max(int(np.searchsorted(motion.t, phases.high_times[index])), 1)
         arc = 1.5 * math.atan2(solution.v, solution.w * solution.D) / solution.w
         begin = float(motion.t[high - 1]) - arc - 2.0 * motion.blur - period * coarse
         before = (stick for stick in phases.sticks if stick.z_high == phases.highs[index])
@@ -532,13 +484,13 @@ def _parts(motion: Motion, phases: Phases, solution: Solution) -> list[Part]:
     return parts
 
 
-def _seed(solution: Solution, period: float, name: str, low: float, high: float) -> list[Solution]:
-    """Return the solution whose number `name`, between two, gives the period; none without one."""
-    if math.isnan(period) or solution.zeta >= 1.0:
-        return []
+def solved(
+    solution: Solution, quantity: str, value: float, name: str, low: float, high: float
+) -> Solution:
+    """Return the solution whose number `name`, between two, gives a quantity of the cycle."""
 
-    def longer(number: float) -> float:
-        shown = _with(solution, {name: number}).figures()["period"]
-        return -period if math.isnan(shown) else shown - period
+    def larger(number: float) -> float:
+        shown = _with(solution, {name: number}).figures()[quantity]
+        return -value if math.isnan(shown) else shown - value
 
-    return [_with(solution, {name: root(longer, low, high)})]
+    return _with(solution, {name: root(larger, low, high)})

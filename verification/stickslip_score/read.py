@@ -5,7 +5,7 @@ from __future__ import annotations
 import csv
 import math
 import re
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from decimal import Decimal
@@ -25,8 +25,7 @@ _ON_THE_GRID = 0.01  # of half a unit: times printed off their grid scatter by n
 _SAME = 1e-9  # of a column's largest value: what rows of one time at an event may differ by
 _WITH_CELLS = re.compile(r"^[^\S\n]*[^#\s].*$", re.MULTILINE)
 _THOUSANDS = re.compile(r"[+-]?[1-9]\d{0,2}(,\d{3})+")
-_WITH_UNIT = re.compile(r"^(?P<name>.*?)\s*(?:\[(?P<square>[^\]]*)\]|\s\((?P<round>[^)]*)\))$")
-_ROUND_AT_ONCE = re.compile(r"^(?P<name>(?!der$)[^()]*)\((?P<round>[^)]*)\)$", re.IGNORECASE)
+_NAME_AND_UNIT = re.compile(r"(.*?)\s*\[([^\]]*)\]"), re.compile(r"([^()]*|.*?\s)\(([^)]*)\)")
 
 _LENGTHS = {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "um": 1e-6, "µm": 1e-6, "nm": 1e-9}
 _TIMES = {"s": 1.0, "sec": 1.0, "seconds": 1.0, "ms": 1e-3, "us": 1e-6, "µs": 1e-6, "min": 60.0}
@@ -120,11 +119,11 @@ def half_unit(column: Floats) -> float:
     printed. Single precision carries no more than its 24 bits, counts of an encoder or converter no
     more than its step, whatever was printed.
     """
-    finite = column[np.isfinite(column) & (column != 0.0)]
-    if not finite.size:
+    numbers = column[np.isfinite(column) & (column != 0.0)]
+    if not numbers.size:
         return 0.0
-    largest = float(np.max(np.abs(finite)))
-    some = finite[:: -(-finite.size // _DIGITS_OF)]
+    largest = float(np.max(np.abs(numbers)))
+    some = numbers[:: -(-numbers.size // _DIGITS_OF)]
     printed = [Decimal(repr(number)).normalize().as_tuple() for number in some.tolist()]
     digits = max(len(number.digits) for number in printed)
     last_place = min(int(number.exponent) for number in printed)
@@ -158,10 +157,7 @@ def _count_step(column: Floats) -> float:
 
 
 def _half_unit_of_time(t: Floats) -> float:
-    """As `half_unit`; an even grid of round numbers has none.
-
-    Steps of 0.1 s hit their grid to the last bit; 1/60 s, written with five digits, scatters.
-    """
+    """Return `half_unit` of times; 0 for an even grid, which steps of 0.1 s hit to the last bit."""
     scatter = float(np.max(np.abs(t - np.linspace(t[0], t[-1], t.size))))
     printed = half_unit(t)
     return scatter if scatter < _ON_THE_GRID * printed else printed
@@ -200,7 +196,6 @@ def _read(file: Path, names: Mapping[str, str]) -> Curve:
     separator = next((mark for mark in ";\t" if mark in header_line[0]), ",")
     header = [cell.strip().strip("'\"").strip() for cell in _cells(header_line[0], separator)]
     columns = _columns(header, names)
-    above = text.count("\n", 0, header_line.end()) + 1
     needed = [index for index, _ in columns.values()]
     table = None
     # Every line has as many cells as the header, and no cell a quote or a comma of its own.
@@ -212,11 +207,11 @@ def _read(file: Path, names: Mapping[str, str]) -> Curve:
             if cells != len(table) * len(header) or not np.isfinite(table).all():
                 table = None
     if table is None:
-        table = _table(_rows(text, above), separator, header, needed)
+        table = _table(_rows(text), separator, header, needed)
     printed = {quantity: table[:, i].copy() for i, quantity in enumerate(columns)}
     for index, column in zip(needed, printed.values(), strict=True):
         _check_points(header[index], column)
-    samples = _increasing(printed, lambda: _rows(text, above))
+    samples = _increasing(printed, text)
     printed = {quantity: column[samples] for quantity, column in printed.items()}
     return _with_rounding(printed, {quantity: unit for quantity, (_, unit) in columns.items()})
 
@@ -231,9 +226,9 @@ def _text(file: Path) -> str:
     raise CurveError("is no text file")
 
 
-def _rows(text: str, above: int) -> Rows:
+def _rows(text: str) -> Rows:
     lines = enumerate(text.split("\n"), 1)
-    return [(n, line) for n, line in lines if n > above and line.lstrip()[:1] not in ("", "#")]
+    return [(n, line) for n, line in lines if line.lstrip()[:1] not in ("", "#")][1:]
 
 
 def _cells(line: str, separator: str) -> list[str]:
@@ -259,11 +254,9 @@ def _columns(header: Sequence[str], names: Mapping[str, str]) -> Columns:
         else:
             continue
         columns[symbol] = index, _unit(text, quantity)
-    absent = "" if "t" in columns else "time"
-    if not absent and not columns.keys() & {"x", "F"}:
-        absent = "the position x nor of the spring force F"
-    if absent:
-        raise CurveError(f"no column of {absent}; the columns are {', '.join(header)}")
+    for any_of, what in (("t", "time"), ("xF", "the position x nor of the spring force F")):
+        if not columns.keys() & set(any_of):
+            raise CurveError(f"no column of {what}; the columns are {', '.join(header)}")
     return columns
 
 
@@ -275,11 +268,10 @@ def _number(text: str) -> float:
 
 
 def _split(cell: str) -> tuple[str, str]:
-    match = _WITH_UNIT.match(cell) or _ROUND_AT_ONCE.match(cell)
-    if not match:
-        return cell, ""
-    groups = match.groupdict()
-    return groups["name"].strip(), (groups.get("square") or groups.get("round") or "").strip()
+    for form in _NAME_AND_UNIT:
+        if match := form.fullmatch(cell):
+            return match[1].strip(), match[2].strip()
+    return cell, ""
 
 
 def _named(name: str, header: Sequence[str]) -> tuple[int, str]:
@@ -357,11 +349,9 @@ def _has_decimal_commas(texts: Sequence[Sequence[str]], numbers: Sequence[int]) 
     commas = [(number, text) for number, text in cells if "," in text]
     if not commas:
         return False
-    doubtful = commas
-    if not all(_THOUSANDS.fullmatch(text) for _, text in commas):
-        doubtful = [(n, text) for n, text in commas if "." in text or text.count(",") > 1]
-        doubtful += [(number, text) for number, text in cells if "." in text]
-    for number, text in doubtful:
+    all_may = all(_THOUSANDS.fullmatch(text) for _, text in commas)
+    doubtful = [cell for cell in commas if all_may or "." in cell[1] or cell[1].count(",") > 1]
+    for number, text in [*doubtful, *(cell for cell in cells if "." in cell[1])]:
         raise CurveError(
             f"line {number}: {text!r} may have a separator of thousands; write numbers without"
         )
@@ -380,7 +370,7 @@ def _check_points(name: str, column: Floats) -> None:
         )
 
 
-def _increasing(printed: Mapping[str, Floats], rows: Callable[[], Rows]) -> NDArray[np.bool_]:
+def _increasing(printed: Mapping[str, Floats], text: str) -> NDArray[np.bool_]:
     """Return where the samples are, without the first row of each event."""
     t = printed["t"]
     step = np.diff(t)
@@ -391,7 +381,7 @@ def _increasing(printed: Mapping[str, Floats], rows: Callable[[], Rows]) -> NDAr
     if not np.all(good):
         where = int(np.argmin(good)) + 1
         raise CurveError(
-            f"line {rows()[where][0]}: time does not increase "
+            f"line {_rows(text)[where][0]}: time does not increase "
             f"({t[where]:.10g} after {t[where - 1]:.10g})"
         )
     return np.append(~repeated, True)

@@ -1,60 +1,18 @@
-"""The score of a curve: its figures against the exact ones, its cause, what else is seen.
-
-Explanations are tried from the simplest on. Each must leave no more of the curve than its noise,
-its digits and the tolerance of a solver, and be known far better than what it explains. What no
-solution explains has a cause where the signature of one is seen; else no single cause is named.
-"""
+"""The cause of a curve, judged by all that is known of it."""
 
 import math
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass, replace
+from dataclasses import dataclass, replace
 from enum import StrEnum
-from functools import partial
-from typing import Any
 
 import numpy as np
 
-from stickslip_score.figures import (
-    COARSE,
-    LOST,
-    QUANTITIES,
-    Figures,
-    Motion,
-    Phases,
-    Solution,
-    Stick,
-    figures_of,
-    find_phases,
-    motion_of,
-    root,
-    scatter_of,
-    si,
-)
-from stickslip_score.fit import (
-    Fit,
-    Fits,
-    Rest,
-    Slide,
-    explained_by_drift,
-    fit_slide,
-    fits_of,
-    rests_of,
-)
-from stickslip_score.read import Curve, CurveError, Floats
-from stickslip_verification.truth import steady_cycle
-from stickslip_verification.truth.parameters import complete, used_mu_k
+from stickslip_score.figures import LOST, Figures, Phases, Stick, first_rest
+from stickslip_score.figures.motion import Motion, si
+from stickslip_score.figures.solution import Solution, normal_force
+from stickslip_score.fit import Fit, Fits, Slide, explained_by_drift, solved
+from stickslip_score.read import Curve, Floats
 
-_SIGN = 0.25  # of the way of the pulled end, and of the friction force: a way that has a sign
-_NEAR = 4.0  # factor about a power of 1000 within which a unit is the likeliest reason
-_UNITS = {
-    1e3: ("x in mm or t in ks", "F in mN"),
-    1e6: ("x in um", "F in uN"),
-    1e9: ("x in nm", "F in nN"),
-    1e-3: ("t in ms or x in km", "F in kN"),
-    1e-6: ("t in us", "F in MN"),
-}
-"""Units of x and F whose numbers are this factor too large."""
-_SAMPLES_OF_A_CYCLE = 6  # fewer do not tell the phases of a curve on no known solution
 _NO_GAP = 0.25  # of the exact gap: a curve that shows less has one coefficient; steps only widen it
 _TYPED = 1e-5  # relative: nobody types a parameter so finely; usual solvers are off by more
 _LOOSE = 1e-2  # relative: error of an event by the loosest solvers, at a tolerance of 1e-3
@@ -79,16 +37,10 @@ _TELLS_NOISE = 40  # fewer samples do not tell noise, unless the mass rests to i
 _SEES_SLIPS = 0.5  # radians between samples up to which each slip, of pi or more, has six
 _EVEN = 0.02  # how alike creep is early and late in stick where no smoothed friction makes it
 _HIGHS_OF_A_DRIFT = 4  # turns of the spring, and times their scatter, from which a drift is one
-_ALTERNATING, _LEAST_ALTERNATING = 20_000, 40  # samples searched for alternating friction
-_EQUAL = 1e-6  # of a step: how far steps of a solver may differ
-_FULL, _MOST, _BACK, _REVERSALS = 0.15, 0.9, 0.02, 0.1
-"""Of the friction force: how far a value may be off static or kinetic friction; the part of the
-samples that must be so near; the part that must be driven against the pull; and how often for
-each of these the force must turn."""
 
 _NO_CAUSE = "no single cause explains it"
 _TOO_FEW = "{} samples are too few to tell noise from a cause"
-_NO_CYCLE = "no steady cycle exists at these parameters"
+NO_CYCLE = "no steady cycle exists at these parameters"
 
 
 class Cause(StrEnum):
@@ -107,44 +59,6 @@ Judgement = tuple[Cause, str]  # the cause, and the sentence that says why
 
 
 @dataclass(frozen=True)
-class Compared:
-    """A quantity of the cycle as the curve has it and as it is, SI.
-
-    An error within the resolution is no evidence against the curve.
-    """
-
-    got: float | None  # mean over the complete cycles (or slips); None where there is none
-    exact: float | None  # of the steady cycle; None where none exists
-    error: float | None  # got - exact
-    resolution: float | None  # how far `got` may be off for want of samples and digits
-
-
-@dataclass(frozen=True)
-class Score:
-    """The verdict on a curve."""
-
-    period: Compared  # [s], from break-away to break-away
-    t_stick: Compared  # [s]
-    t_slip: Compared  # [s]
-    delta_x: Compared  # jump of the mass [m], with the sign of v
-    cause: Cause  # what most likely made the curve what it is
-    explanation: str  # the same as a sentence with figures
-    findings: tuple[str, ...]  # what else was seen, one sentence each
-    cycles: int  # complete ones, from break-away to break-away, behind the figures
-    x_noise: float | None = None  # standard deviation [m]; None where x is not in the curve
-    F_noise: float | None = None  # standard deviation [N]; None where F is not in the curve
-
-
-def as_json(score: Score) -> dict[str, Any]:
-    """Return the score as what JSON can hold; null where a figure is missing."""
-    fields = asdict(score)
-    noise = {"x": fields.pop("x_noise"), "F": fields.pop("F_noise")}
-    unit = {"period": "s", "t_stick": "s", "t_slip": "s", "delta_x": "m"}
-    units = {**unit, "noise": {"x": "m", "F": "N"}}
-    return {**fields, "findings": list(score.findings), "noise": noise, "unit": units}
-
-
-@dataclass(frozen=True)
 class Evidence:
     """All that is known of a curve when it is judged."""
 
@@ -156,7 +70,6 @@ class Evidence:
     phases: Phases
     figures: Figures
     fits: Fits
-    chatters: bool  # whether each sample is a step of a solver that chatters
     slide: Slide | None  # sliding without end, from any start; None where a cycle exists
 
     def lies_on(self, name: str) -> bool:
@@ -167,7 +80,7 @@ class Evidence:
     def break_away(self) -> float:
         """Spring extension at which the mass breaks away, by the model [m]."""
         direction = math.copysign(1.0, self.p["v"])
-        return (self.p["mu_s"] * _normal(self.p) - direction * self.p["F_ext"]) / self.p["k"]
+        return (self.p["mu_s"] * normal_force(self.p) - direction * self.p["F_ext"]) / self.p["k"]
 
     @property
     def highest(self) -> float:
@@ -190,186 +103,17 @@ class Evidence:
         return self.solution.seen_gap(float(np.median(self.phases.highs[: lows.size] - lows)))
 
 
-def score(curve: Curve, parameters: Mapping[str, float]) -> Score:
-    """Judge a curve against the exact steady cycle, docs/theory.md (7) to (10), (13).
-
-    The figures are means over all complete cycles, from break-away to break-away. Where all samples
-    lie on the solution of a block with some gap, to their digits or their noise, they are read off
-    that one; else each event is known between two samples. A v of the wrong sign is turned, and a
-    finding says so. `parameters` are m g k c mu_s mu_k v load F_ext, SI; what is missing takes its
-    start value. `ValueError` for one that is unknown or out of range; `CurveError` if v is 0, so
-    that nothing is pulled, or x or F is a power of 1000 too large or too small.
-    """
-    try:
-        with np.errstate(over="raise"):
-            return _score(curve, complete(parameters))
-    except (OverflowError, ZeroDivisionError, FloatingPointError):
-        raise CurveError(
-            "the figures of the curve or of the block leave the range of numbers"
-        ) from None
-
-
-def _score(curve: Curve, p: Mapping[str, float]) -> Score:
-    if p["v"] == 0.0:
-        raise CurveError("v = 0: nothing is pulled, so there is no cycle to compare with")
-    cycle = steady_cycle({**p, "v": abs(p["v"])}, digits=30)
-    names = ("T", *QUANTITIES[1:])
-    exact = cycle and {n: float(cycle[s]) for n, s in zip(QUANTITIES, names, strict=True)}
-    turned = _is_turned(curve, p, exact)
-    p = {**p, "v": -p["v"]} if turned else p
-    w, v = math.sqrt(p["k"] / p["m"]), abs(p["v"])
-    gap = (p["mu_s"] - used_mu_k(p["mu_s"], p["mu_k"])) * _normal(p) / p["k"]
-    solution = Solution(w, p["c"] / (2.0 * p["m"] * w), v, gap - p["c"] * v / p["k"])
-    motion = motion_of(curve, p, solution)
-    chatters = _chatters(motion, solution, p)
-    motion, phases, fits = _look(motion.with_noise(0.0) if chatters else motion, solution)
-    slide = None if exact else fit_slide(motion, solution)
-    figures = _figures(motion, phases, fits, slide, solution)
-    evidence = Evidence(curve, p, exact, solution, motion, phases, figures, fits, chatters, slide)
-    cause, explanation = _cause(evidence)
-    against = f"the mass is pulled against the given v: judged with v = {p['v']:g} m/s"
-    compared = {}
-    for name in QUANTITIES:
-        sign = math.copysign(1.0, p["v"] if name == "delta_x" else 1.0)
-        true = sign * exact[name] if exact else None
-        value, resolution = figures.values.get(name, (None, None))
-        got = None if value is None else sign * value
-        error = None if got is None or true is None else got - true
-        compared[name] = Compared(got, true, error, resolution)
-    noise = motion.noises
-    return Score(
-        **compared,
-        cause=cause,
-        explanation=explanation,
-        findings=(*([against] if turned else []), *_findings(evidence)),
-        cycles=figures.cycles,
-        x_noise=noise.get("x"),
-        F_noise=p["k"] * noise["F"] if "F" in noise else None,
-    )
-
-
-def _normal(p: Mapping[str, float]) -> float:
-    return max(p["m"] * p["g"] + p["load"], 0.0)
-
-
-def _is_turned(curve: Curve, p: Mapping[str, float], exact: Mapping[str, float] | None) -> bool:
-    """Tell whether the pull goes against v; refuse x or F that are a power of 1000 off."""
-    duration, v = float(curve.t[-1] - curve.t[0]), p["v"]
-    if curve.x is not None:
-        # From the first tenth of the samples to the last, over nine tenths of them.
-        tenth = max(curve.x.size // 10, 1)
-        way = float(np.mean(curve.x[-tenth:]) - np.mean(curve.x[:tenth]))
-        way, due = way / (1.0 - tenth / curve.x.size), v * duration
-        ratio, column, example = abs(way / due), 0, "x [mm]"
-        seen = f"x advances at {si(abs(way) / duration, 'm/s')} on average"
-    else:
-        assert curve.F is not None
-        span = float(np.ptp(curve.F))
-        way, due = float(np.mean(curve.F)) + p["F_ext"], math.copysign(p["mu_s"] * _normal(p), v)
-        jump = exact["delta_x"] if exact else math.inf
-        ratio, column, example = span / (p["k"] * jump), 1, "F [kN]"
-        seen = f"F varies by {si(span, 'N')}"
-    power = next((power for power in _UNITS if power / _NEAR < ratio < power * _NEAR), 0.0)
-    if exact is not None and duration >= 1.5 * exact["period"] and power:
-        raise CurveError(
-            f"{seen}, {power:g} times as much as it should: {_UNITS[power][column]}? State the "
-            f"unit in the header or with the column's name, '{example}'"
-        )
-    return way * due < 0.0 and abs(way) > _SIGN * abs(due)
-
-
-def _chatters(motion: Motion, solution: Solution, p: Mapping[str, float]) -> bool:
-    """Tell whether each sample is a step of a solver with friction by the sign of the velocity.
-
-    In stick full friction drives it now one way, now the other, so that the friction force that its
-    samples imply has two values and none between; noise has all of them.
-    """
-    t, y, z = (column[:_ALTERNATING] for column in (motion.t, motion.y, motion.z))
-    steps = np.diff(t)
-    step = float(np.mean(steps))
-    uneven = float(np.ptp(steps)) > _EQUAL * step + 2.0 * np.spacing(t[-1])
-    if t.size < _LEAST_ALTERNATING or uneven:
-        return False
-    friction = z[1:-1] - np.diff(y, 2) / (solution.w * step) ** 2
-    per_force = _normal(p) / p["k"]
-    full, kinetic = p["mu_s"] * per_force, used_mu_k(p["mu_s"], p["mu_k"]) * per_force
-    low, high = np.quantile(friction, [0.01, 0.99])
-    back = friction < 0.5 * (low + high)
-    reversals = np.count_nonzero(np.diff(back))
-    if not _BACK <= np.mean(back) < 1.0 or reversals < _REVERSALS * np.count_nonzero(back):
-        return False
-    # The spring is known up to a constant; either pair of values may be the two of one size.
-    for pair in (low + high, np.median(friction[back]) + np.median(friction[~back])):
-        size = np.abs(friction - 0.5 * pair)
-        off = np.minimum(np.abs(size - full), np.abs(size - kinetic))
-        if np.mean(off < _FULL * full) > _MOST:
-            return True
-    return False
-
-
-def _look(motion: Motion, solution: Solution) -> tuple[Motion, Phases, dict[str, Fit]]:
-    """Return the motion with its noise, its phases and fits.
-
-    Coarse samples scatter for the motion as well: there the fits show the noise.
-    """
-
-    def seen(motion: Motion) -> tuple[Motion, Phases, dict[str, Fit]]:
-        phases = find_phases(motion.smoothed(solution), solution)
-        fits = fits_of(motion, phases, solution)
-        if motion.noise:
-            # A solution on which the samples lie leaves their noise.
-            left = [fit.rms for fit in fits.values() if fit.white]
-            motion = motion.with_noise(min([motion.noise, *left]))
-        return motion, phases, fits
-
-    if motion.step * solution.w < COARSE:
-        return seen(motion)
-    computed = seen(motion.with_noise(0.0))
-    exact = computed[2].get("exact")
-    if exact is not None and exact.by_digits:
-        return computed
-    noise = motion.noise or max(motion.digits, scatter_of(motion.t, motion.y))
-    measured = seen(motion.with_noise(noise))
-    if any(fit.white for fit in measured[2].values()) and not measured[0].rests():
-        return measured
-    if motion.noise and not motion.rests():
-        return motion.with_noise(noise), *measured[1:]
-    return computed
-
-
-def _figures(
-    motion: Motion, phases: Phases, fits: Fits, slide: Slide | None, solution: Solution
-) -> Figures:
-    if slide is not None and slide.lies:
-        return Figures({}, 0)
-    names = ("gap", "gap and drift", "damping", *(["gap and mass"] if motion.noise else []))
-    free = [fits[name] for name in names if name in fits]
-    nearest = [fit for fit in free or fits.values() if fit.lies]
-    if explained_by_drift(fits):
-        nearest.append(fits["gap and drift"])
-    # Noise that neighbouring samples share is off every solution, but not alike in all cycles.
-    if motion.noise and "gap" in fits and not fits["gap"].repeats:
-        nearest.append(fits["gap"])
-    if nearest:
-        return nearest[0].figures(float(motion.t[-1]))
-    times = phases.high_times
-    if times.size > 1:
-        between = (motion.t >= times[0]) & (motion.t <= times[-1])
-        if np.count_nonzero(between) < _SAMPLES_OF_A_CYCLE * (times.size - 1):
-            return Figures({}, 0)
-    return figures_of(phases.sticks, motion.smoothed(solution).allowed)
-
-
-def _cause(e: Evidence) -> Judgement:
+def judge(e: Evidence) -> Judgement:
+    """Return the likeliest cause of a curve, and why."""
     if e.motion.mismatch:
         return Cause.OTHER, e.motion.mismatch
     if e.lies_on("exact"):
         return _on_the_exact_solution(e)
-    if e.exact is None and not e.chatters and (judged := _sliding(e)):
+    if e.exact is None and not e.motion.chatters and (judged := _sliding(e)):
         return judged
     if e.lies_on("one coefficient"):
         return _one_coefficient(e)
-    if e.chatters:
+    if e.motion.chatters:
         return Cause.FIXED_STEP, "the solver chatters in stick: steps cross friction's sign change"
     if not e.motion.measured and e.motion.t.size < _TELLS_NOISE and not e.motion.rests():
         return Cause.NOISY, _TOO_FEW.format(e.motion.t.size)
@@ -389,15 +133,14 @@ def _cause(e: Evidence) -> Judgement:
 
 
 def _on_no_solution(e: Evidence, creeping: list[Stick]) -> Judgement:
-    gap = e.fits.get("gap")
     lasts = float(e.motion.t[-1] - e.motion.t[0])
     if e.motion.measured and e.phases.only_rests and lasts > e.solution.relief / e.solution.v:
         jump = si(e.solution.figures()["delta_x"], "m")
         return Cause.NOISY, f"the {_noise_in_words(e)}, hides the motion: a jump of {jump} is due"
     if e.motion.measured and not e.fits:
         return _without_a_slip(e)
-    if e.motion.measured and gap and not gap.repeats:
-        return _slow_noise(e, gap)
+    if e.motion.measured and not e.fits["gap"].repeats:
+        return _slow_noise(e, e.fits["gap"])
     paces = [stick.late_over_early for stick in creeping]
     pace = float(np.median([ratio for ratio in paces if not math.isnan(ratio)] or [math.nan]))
     if creeping and e.motion.noises.keys() == {"F"} and abs(pace - 1.0) < _EVEN:
@@ -408,7 +151,7 @@ def _on_no_solution(e: Evidence, creeping: list[Stick]) -> Judgement:
     # What a filter leaves of a slip dies out, while creep grows with the force or turns with it.
     if creeping and not 0.0 < pace < 1.0 - _EVEN:
         return _creeping(e, creeping)
-    if not e.phases.high_samples:
+    if not e.phases.highs.size:
         return _without_a_slip(e)
     if e.motion.measured:
         near = min(e.fits, key=lambda name: e.fits[name].rms)
@@ -426,9 +169,8 @@ def _on_no_solution(e: Evidence, creeping: list[Stick]) -> Judgement:
 def _on_the_exact_solution(e: Evidence) -> Judgement:
     if not e.motion.measured or "gap" not in e.fits:
         return _exact(e)
-    gap = e.fits["gap"]
-    known, off = _known(e, gap), abs(gap.solution.D - e.solution.D)
-    if not known < _HIDES or off > _SURE / _DEVIATIONS * known * e.solution.swing():
+    known, is_exact = _known(e, e.fits["gap"])
+    if not (known < _HIDES and is_exact):
         return _another_block(e) or _block(e, "gap")
     cause, sentence = _exact(e)
     if cause is Cause.EXACT:
@@ -439,7 +181,7 @@ def _on_the_exact_solution(e: Evidence) -> Judgement:
 
 def _exact(e: Evidence) -> Judgement:
     fitted, motion, v = e.fits["exact"], e.motion, e.solution.v
-    shift = float(np.median(motion.z - (v * (motion.t - motion.t[0]) - motion.y)))
+    shift = float(motion.z[0] + motion.y[0])
     extension = v * (fitted.t_break - float(motion.t[0])) - fitted.offset + shift
     step = motion.widest_step
     # Samples that pass over the slips tell a break-away only between two of them.
@@ -456,7 +198,7 @@ def _exact(e: Evidence) -> Judgement:
             f"the motion is exact, but the spring force at break-away is {seen:.6g} N instead of "
             f"{due:.6g} N: another force acts, or both coefficients are shifted"
         )
-    no_cycle = f"{_NO_CYCLE}; " if e.exact is None else ""
+    no_cycle = f"{NO_CYCLE}; " if e.exact is None else ""
     lie = f"all {motion.t.size} samples lie on the exact solution, to {si(fitted.worst, 'm')}"
     return Cause.EXACT, f"{no_cycle}{lie}"
 
@@ -469,9 +211,11 @@ def _noise_in_words(e: Evidence) -> str:
     return f"noise of {motion.source}, {noise} rms"
 
 
-def _known(e: Evidence, gap: Fit) -> float:
-    """Return how well noise and digits let the gap be known, in parts of the swing."""
-    return (_DEVIATIONS * gap.deviation("D") + 2.0 * gap.spread["D"]) / e.solution.swing()
+def _known(e: Evidence, gap: Fit) -> tuple[float, bool]:
+    """Return how well noise and digits tell the gap, in parts of the swing, and if it is exact."""
+    known = (_DEVIATIONS * gap.deviation("D") + 2.0 * gap.spread["D"]) / e.solution.swing()
+    off = abs(gap.solution.D - e.solution.D)
+    return known, not off > _SURE / _DEVIATIONS * known * e.solution.swing()
 
 
 def _tolerance(off: float) -> Judgement:
@@ -533,7 +277,7 @@ def _named(e: Evidence, name: str) -> Judgement:
 
 def _block(e: Evidence, name: str) -> Judgement:
     is_gap, measured, known = name == "gap", e.motion.measured, 0.0
-    if is_gap and measured and not (known := _known(e, e.fits["gap"])) < _HIDES:
+    if is_gap and measured and not (known := _known(e, e.fits["gap"])[0]) < _HIDES:
         return Cause.NOISY, (
             f"the {_noise_in_words(e)}, hides whether static friction is larger than kinetic: "
             f"their gap is known to {100.0 * known:.2g} % of the swing; a noise "
@@ -549,10 +293,10 @@ def _block(e: Evidence, name: str) -> Judgement:
 
 
 def _slow_noise(e: Evidence, gap: Fit) -> Judgement:
-    known, shift = _known(e, gap), abs(gap.solution.D - e.solution.D)
+    known, is_exact = _known(e, gap)
     off = f"samples are off by {si(gap.rms, 'm')} rms, unlike from cycle to cycle, and the "
     off += f"{_noise_in_words(e)} from sample to sample"
-    if shift > _SURE / _DEVIATIONS * known * e.solution.swing():
+    if not is_exact:
         ratio = _percent(e.gap_ratio(gap.solution.D))
         return Cause.OTHER, f"{_NO_CAUSE}: (mu_s - mu_k) N is {ratio} on average, and {off}"
     return Cause.NOISY, f"{off}: slow noise; (mu_s - mu_k) N is exact within {100.0 * known:.2g} %"
@@ -614,12 +358,7 @@ def _of_a_solver(e: Evidence, exact: Mapping[str, float]) -> Judgement:
     slips that are alike, and off by as little as their arcs are.
     """
     jumps, swing = e.figures.jumps, e.solution.swing()
-
-    def farther(jump: float, gap: float) -> float:
-        shown = replace(e.solution, D=gap).figures()["delta_x"]
-        return -jump if math.isnan(shown) else shown - jump
-
-    gaps = [root(partial(farther, jump), 0.0, jump) for jump in jumps]
+    gaps = [solved(e.solution, "delta_x", jump, "D", 0.0, jump).D for jump in jumps]
     late = (np.array(gaps) - e.solution.D) / e.solution.v
     off = float(np.max(np.abs(np.array(jumps) / exact["delta_x"] - 1.0)))
     left = min(fit.rms for fit in e.fits.values()) / swing if e.fits else 0.0
@@ -627,11 +366,8 @@ def _of_a_solver(e: Evidence, exact: Mapping[str, float]) -> Judgement:
     sign, differ = "+" if error >= 0 else "−", si(float(np.ptp(jumps)), "m")
     sentence = f"jumps are off by {sign}{si(abs(error), 'm')} and differ by up to {differ}"
     if _in_steps(e, late):
-        least = si(float(np.ptp(late)), "s")
-        return (
-            Cause.FIXED_STEP,
-            f"fixed steps: events wait for steps of {least} or more; {sentence}",
-        )
+        wait = f"events wait for steps of {si(float(np.ptp(late)), 's')} or more"
+        return Cause.FIXED_STEP, f"fixed steps: {wait}; {sentence}"
     for name in ("gap", "damping", "gap and mass"):
         if name in e.fits and e.fits[name].rms * _CLEAR < min(_shift(e, name), _LOOSE) * swing:
             cause, named = _named(e, name)
@@ -662,11 +398,8 @@ def _in_steps(e: Evidence, late: Floats) -> bool:
     damped = e.fits["damping"].solution if "damping" in e.fits else e.solution
     solution = min(e.solution, damped, key=lambda solution: solution.zeta)
     lacking = late[1:] + _next_late(solution) * late[:-1]
-    fine, few = float(np.ptp(late)) <= _FINE * step, late.size == _FEW
-    if fine and few:
-        return False
-    follows = _CLOSELY if fine or few else _FOLLOWS
-    return _apart(lacking, step) < follows * _apart(late)
+    doubts = (float(np.ptp(late)) <= _FINE * step) + (late.size == _FEW)
+    return _apart(lacking, step) < (_FOLLOWS, _CLOSELY, 0.0)[doubts] * _apart(late)
 
 
 def _apart(times: Floats, step: float = math.inf) -> float:
@@ -690,30 +423,28 @@ def _sliding(e: Evidence) -> Judgement | None:
     """
     if e.slide is not None and e.slide.lies:
         return _exact_slide(e, e.slide)
-    rest, t = rests_of(e.motion)[0], e.motion.t
+    last, t = first_rest(e.motion), e.motion.t
     if e.lies_on("one coefficient"):
         return _ONE_COEFFICIENT
     if not e.fits:
-        if rest.last + 1 < t.size:
+        if last + 1 < t.size:
             return None
         # A slip that has just begun stays within the digits, while the spring is pulled on.
         hidden = e.solution.time_to_move(4.0 * e.motion.allowed)
         return _resting(e, e.break_away + e.solution.v * hidden)
     nearest = min(e.fits.values(), key=lambda fit: fit.worst)
-    begin = float(t[0])
-    before = nearest.t_break - float(t[rest.first])
-    lost = before - float(t[rest.last] - t[rest.first])
+    begin, before = float(t[0]), nearest.t_break - float(t[0])
     hidden = max(nearest.solution.time_to_move(4.0 * e.motion.allowed), e.motion.widest_step)
+    lost = nearest.t_break - float(t[last])
     if not e.motion.measured and lost > LOST * before + 2.0 * hidden:
         # Over the middle half of the time before the break-away.
-        quarter = 0.25 * (nearest.t_break - begin)
-        middle = np.interp([begin + quarter, begin + 3.0 * quarter], t, e.motion.y)
-        creep = si(abs(float(middle[1] - middle[0]) / (2.0 * quarter)), "m/s")
+        low, high = np.interp([begin + 0.25 * before, begin + 0.75 * before], t, e.motion.y)
+        creep = si(abs(float(high - low) / (0.5 * before)), "m/s")
         return Cause.REGULARISED, f"regularised friction: the stick phase creeps at {creep}"
     late = (e.fits["gap"].solution.D - e.solution.D) / e.solution.v
     if e.lies_on("gap") and (e.motion.measured or not 0.0 < late <= e.motion.widest_step):
         return _another_slide(e)
-    return None if e.motion.measured else _late_slide(e, rest, nearest, late)
+    return None if e.motion.measured else _late_slide(e, nearest, late, rests=last > 0)
 
 
 _ONE_COEFFICIENT = Cause.SINGLE_COEFFICIENT, "one friction coefficient: a slide without a gap"
@@ -726,7 +457,7 @@ def _exact_slide(e: Evidence, slide: Slide) -> Judgement:
         tends = f"{e.p['k'] * slide.z_steady:.6g} N instead of {e.p['k'] * due:.6g} N"
         return Cause.OTHER, f"the spring force tends to {tends}: another force acts, or mu_k is off"
     worst = si(slide.worst, "m")
-    return Cause.EXACT, f"{_NO_CYCLE}, and the curve slides as the exact solution does, to {worst}"
+    return Cause.EXACT, f"{NO_CYCLE}, and the curve slides as the exact solution does, to {worst}"
 
 
 def _another_slide(e: Evidence) -> Judgement:
@@ -736,52 +467,13 @@ def _another_slide(e: Evidence) -> Judgement:
     return Cause.OTHER, f"the mass slides as with another gap: (mu_s - mu_k) N {_percent(ratio)}"
 
 
-def _late_slide(e: Evidence, rest: Rest, nearest: Fit, late: float) -> Judgement | None:
+def _late_slide(e: Evidence, nearest: Fit, late: float, *, rests: bool) -> Judgement | None:
     w, v, step = e.solution.w, e.solution.v, e.motion.widest_step
     off = nearest.worst * w / v
     if abs(late / step) < _SEEN_STEPS and off < _LOOSE:
         return _tolerance(off)
     top_speed = v * (1.0 + math.hypot(1.0, w * max(e.solution.D, 0.0) / v))
-    rests = rest.last > rest.first
     if not e.lies_on("gap") and (not rests or nearest.worst > _LATE_STEPS * step * top_speed):
         return None
     reason = f"a break-away late by {abs(late / step):.2g} sample steps explains the motion"
     return Cause.FIXED_STEP, f"fixed steps: {reason} to {si(nearest.worst, 'm')}"
-
-
-def _findings(e: Evidence) -> list[str]:
-    seen = [] if e.exact else [_NO_CYCLE]
-    if not e.figures.cycles:
-        seen.append("the curve shows no complete cycle, from one break-away to the next")
-    elif e.figures.cycles == 1:
-        seen.append("the figures come from one cycle only")
-    step = e.motion.widest_step
-    if e.exact and 2.0 * step > e.exact["t_slip"]:
-        doubt = ": is t in ms?" if step > e.exact["period"] else ""
-        slip = f"where a slip takes {si(e.exact['t_slip'], 's')}{doubt}"
-        seen.append(f"coarse samples: up to {si(step, 's')} apart, {slip}")
-    if e.motion.drift:
-        seen.append(f"F drifts by {si(e.motion.drift, 'N')} against k (v t - x)")
-    for name, unit, size in (("x", "m", 1.0), ("F", "N", e.p["k"])):
-        if noise := size * e.motion.noises.get(name, 0.0):
-            seen.append(f"{name} has a noise of {si(noise, unit)} rms")
-    if e.motion.shared and e.motion.noise:
-        seen.append("x and F share their noise: one was made from the other")
-    return seen if e.curve.x_dot is None else [*seen, *_moving_at_rest(e, e.curve.x_dot)]
-
-
-def _moving_at_rest(e: Evidence, x_dot: Floats) -> list[str]:
-    """Report a velocity column that is not 0 where the position rests beyond doubt."""
-    t = e.motion.t
-    inner = np.zeros(t.size, dtype=bool)
-    if math.isinf(e.solution.t_slip):
-        window = rests_of(e.motion)[0].window(e.motion, e.solution)
-        inner = (t > t[0]) & (t < (window[0] if window else t[-1]))
-    else:
-        for stick in (stick for stick in e.phases.sticks if stick.rests):
-            begin = stick.begin.high if stick.begin else t[0]
-            inner |= (t > begin) & (t < (stick.end.low if stick.end else t[-1]))
-    moving = float(np.median(np.abs(x_dot[inner]))) if inner.any() else 0.0
-    if moving <= 1e-6 * e.solution.v + 2.0 * e.curve.x_dot_rounding:
-        return []
-    return [f"the velocity column shows {si(moving, 'm/s')} where the position rests"]
