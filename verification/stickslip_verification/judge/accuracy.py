@@ -468,7 +468,10 @@ def large_offset(
     for name in dict.fromkeys(name for _, name in names):
         of = [area for area in usable if (area.case.id, name) in names][:_SHORTEST]
         few, of_all = partial(_left, name, of[:_ENOUGH]), partial(_left, name, of)
-        if len(of) < _FEW or few(part := min(_OFFSETS, key=few)) > _PROMISING:
+        # What brings no motion nearer when it is small brings none nearer when it is large.
+        if len(of) < _FEW or min(map(few, _OFFSETS[:2])) >= 1.0:
+            continue
+        if few(part := min(_OFFSETS, key=few)) > _PROMISING:
             continue
         for width in _FINER:
             part = min((part, part - width, part + width), key=of_all)
