@@ -64,6 +64,12 @@ def test_a_frequency_beside_a_force_is_no_force(tmp_path: Path) -> None:
     assert (curve.F[1], curve.t[1]) == (2.0, 0.001)
 
 
+def test_a_derivative_of_the_position_is_the_velocity(tmp_path: Path) -> None:
+    curve = read_curve(written(tmp_path, table("time,x,der(x)")))
+    assert curve.x_dot is not None
+    assert curve.x_dot == pytest.approx(F)
+
+
 def numbers(*columns: str) -> str:
     """Give eight rows of two columns, their numbers counted up at `#`."""
     separator, t, x = columns

@@ -25,7 +25,10 @@ _ON_THE_GRID = 0.01  # of half a unit: times printed off their grid scatter by n
 _SAME = 1e-9  # of a column's largest value: what rows of one time at an event may differ by
 _WITH_CELLS = re.compile(r"^[^\S\n]*[^#\s].*$", re.MULTILINE)
 _THOUSANDS = re.compile(r"[+-]?[1-9]\d{0,2}(,\d{3})+")
-_NAME_AND_UNIT = re.compile(r"(.*?)\s*\[([^\]]*)\]"), re.compile(r"([^()]*|.*?\s)\(([^)]*)\)")
+_NAME_AND_UNIT = (
+    re.compile(r"(.*?)\s*\[([^\]]*)\]"),
+    re.compile(r"(?!der\()([^()]*|.*?\s)\(([^)]*)\)"),
+)
 
 _LENGTHS = {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "um": 1e-6, "µm": 1e-6, "nm": 1e-9}
 _TIMES = {"s": 1.0, "sec": 1.0, "seconds": 1.0, "ms": 1e-3, "us": 1e-6, "µs": 1e-6, "min": 60.0}
