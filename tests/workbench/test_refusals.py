@@ -90,7 +90,7 @@ REFUSED = [
     ("names none.fmu", "none.fmu: | no such file"),
     ("names {slider} -o none/names.toml", "-o none/names.toml: "),
     ("names {slider} -o axis.toml", "it is there already, and may have been edited"),
-    ("verify --cases none", "no case matches 'none'"),
+    ("verify --cases heat,none", "no case matches 'none'"),
     ("verify --fmu text.fmu", "not an FMU"),
     ("verify --fmu {slider} --pack", "is not the exact block"),
     ("verify --fmu {slider} --names {names} --pack", "--pack does not go with --names"),

@@ -89,7 +89,7 @@ def verify(
     fmu, names
         The ``.fmu`` file, and the names file of one with names of its own.
     cases
-        A shell pattern of cases, a folder or a file of cases of your own; None: all.
+        Shell patterns of cases, a folder or a file of cases of your own; None: all.
     within
         Part by which an FMU of the physics contract may be off, above 0 and below 1 or ``"1 %"``.
     sequences

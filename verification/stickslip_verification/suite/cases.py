@@ -341,8 +341,8 @@ class CaseFile(data.Written):
 def load_cases(pattern: str | None = None, folder: Path | None = None) -> list[Case]:
     """Read the cases of a folder, by default the suite's own, in the order of their names.
 
-    `pattern` is a shell pattern on the ids (``damped-*``). `CaseError` if a file is broken (also
-    one that the pattern leaves out), two share an id, or none matches.
+    `pattern` has shell patterns on the ids (``damped-*,default``). `CaseError` if a file is broken
+    (also one that is left out), two share an id, or a pattern matches none.
     """
     folder = CASES_FOLDER if folder is None else folder
     if not folder.is_dir():
@@ -351,10 +351,13 @@ def load_cases(pattern: str | None = None, folder: Path | None = None) -> list[C
     for case in map(load_case, sorted(folder.glob("*.toml"))):
         if (other := cases.setdefault(case.id, case)) is not case:
             raise CaseError(case.file, "id", f"{case.id!r} is taken by {other.file.name}")
-    chosen = [c for c in cases.values() if pattern is None or fnmatch.fnmatchcase(c.id, pattern)]
-    if not chosen:
-        raise CaseError(folder, "", f"no case matches {pattern or '*.toml'!r}")
-    return chosen
+    chosen: dict[str, Case] = {}
+    for wanted in (pattern or "*").split(","):
+        matching = {name: cases[name] for name in fnmatch.filter(cases, wanted.strip())}
+        if not matching:
+            raise CaseError(folder, "", f"no case matches {wanted if pattern else '*.toml'!r}")
+        chosen |= matching
+    return [case for case in cases.values() if case.id in chosen]
 
 
 def load_case(path: Path) -> Case:

@@ -64,7 +64,7 @@ def verify(
         str | None,
         typer.Option(
             metavar="PATTERN|DIR|FILE.toml",
-            help="Only the cases of this shell pattern ('damped-*'), or cases of your own. Beside "
+            help="Only the cases of shell patterns ('damped-*,heat'), or cases of your own. Beside "
             "single cases (PATTERN, FILE.toml) no probe runs that takes a fresh process: memory, "
             "serialized state, environment.",
         ),
