@@ -181,6 +181,14 @@ const CHECKS = [
       return found;
     },
   ],
+  [
+    "formulas",
+    "math",
+    (page) =>
+      page.$$eval("mfrac, mover, msub, msup", (all) =>
+        all.map((each) => each.children.length).filter((count) => count !== 2),
+      ),
+  ],
   ["story", "#story button", (page) => pressAll(page, "#story button")],
   ["said", "#said button", (page) => pressAll(page, "#said button")],
   ["cures", "#cures td button", (page) => pressAll(page, "#cures td button")],

@@ -28,7 +28,11 @@ def found(page_file: Path) -> dict[str, Any]:
 
 
 def test_firefox_finds_no_error_and_no_request_but_the_planted_ones(found: dict[str, Any]) -> None:
-    assert [each for each in found["errors"] if not each.startswith("planted: ")] == []
+    # On a busy machine Firefox draws formulas before it has read them to their end, and complains.
+    early = "Incorrect number of children for"
+    errors = [each for each in found["errors"] if early not in each]
+    assert [each for each in errors if not each.startswith("planted: ")] == []
+    assert found["checks"]["formulas"] == []
     assert "planted: planted" in found["errors"]
     asked = [url for url in found["requests"] if not url.startswith(("file:", "data:", "blob:"))]
     assert asked == [PLANTED]
