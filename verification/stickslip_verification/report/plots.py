@@ -114,7 +114,7 @@ NOTHING: Final = 1e-18
 TOLERANCES_APART: Final = 30.0
 """Ratio of two tolerances from which their lines have room for a name each."""
 HOPELESS: Final = 1e6  # the largest error, as part of the scale, that the panel makes room for
-FARTHEST: Final = 5
+FARTHEST: Final = 3
 SIZE: Final = (480.0, 412.0)  # width and height of the picture of a case [pt]
 
 _DASHED: Final = (0, (5, 3))
