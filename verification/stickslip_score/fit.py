@@ -10,9 +10,19 @@ import numpy as np
 from scipy.optimize import least_squares
 from scipy.signal import correlate
 
-from stickslip_score.figures import Figures, Phases, break_away, rests_of
-from stickslip_score.figures.motion import Motion, scatter_of, without_drift
-from stickslip_score.figures.solution import EPSILON, QUANTITIES, Solution, root
+from stickslip_score.figures import (
+    EPSILON,
+    QUANTITIES,
+    Figures,
+    Motion,
+    Phases,
+    Solution,
+    break_away,
+    rests_of,
+    root,
+    scatter_of,
+    without_drift,
+)
 from stickslip_score.read import LEAST_SAMPLES, Floats
 
 _EXCESS = 1.25  # on a solution: the digits once, and what the least squares share out of them
