@@ -9,19 +9,23 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from stickslip_verification import Case, load_cases
+from stickslip_verification import Case, load_cases, load_invariants
 from stickslip_verification.drive import solvers
 from stickslip_verification.drive.exact import OFF, changes, exact_motion, kept, spreads
 from stickslip_verification.drive.probes.calls import keeps_its_cycle
+from stickslip_verification.drive.processes import Answer
 from stickslip_verification.drive.solvers import SOLVERS, Solver
 from stickslip_verification.judge.accuracy import (
     STANDS_OUT,
+    Matched,
     Ruler,
     large_offset,
     matched,
     wrong_parameter,
 )
+from stickslip_verification.judge.checks import PHYSICS_CONTRACT, of_invariant
 from stickslip_verification.model.run import Run
+from stickslip_verification.run import comparisons
 from stickslip_verification.run.comparisons import Plain, Solution
 from stickslip_verification.run.questions import Shown, cause
 from stickslip_verification.suite.cases import load_family
@@ -111,6 +115,19 @@ def test_an_extreme_may_be_that_of_the_communication_points() -> None:
     assert np.any(peak < exact.outputs["x_dot_peak"])
     assert of.deviation(sampled, ["x_dot_peak"]).delta == 0.0
     assert of.deviation(less, ["x_dot_peak"]).delta > 1e-4
+
+
+@pytest.mark.parametrize("lost", [False, True])
+def test_the_meter_of_an_adaptive_solver_goes_on_after_a_state_was_set_back(lost: bool) -> None:
+    exact, (rollback,) = ruler("default").exact.record, load_invariants().only({"rollback"}).runs
+    one, other = (changed(exact, x=exact.outputs["x"] + part) for part in (1e-9, 2e-9))
+    t_slip = np.where(exact.times > 1.0, 1.5 * exact.outputs["t_slip"], exact.outputs["t_slip"])
+    answer = Answer(changed(other, t_slip=t_slip) if lost else other)
+    like = Matched("RK45, 1e-06", {"default": 1e-6}, {"RK45, 1e-06": 1.0})
+    empty = of_invariant(rollback, "default", PHYSICS_CONTRACT)
+    plain = Plain(cases()["default"], ruler("default"), one)
+    row = comparisons._judge(empty, "rollback", answer, plain, like, 1e-6)
+    assert row.passed is not lost, row
 
 
 @pytest.mark.parametrize("mean", [False, True])

@@ -108,6 +108,7 @@ NOT_APPLICABLE: list[tuple[Callable[[], FmuFile], str, Case, str]] = [
     (SLIDER.opened, "serialized", DEFAULT, "it cannot serialize its state, by its description"),
     (without_gravity, "time", DEFAULT, "it has no variable g"),
     (SLIDER_3.opened, "reset", changing_mu_s(DEFAULT), "it cannot change mu_s on the way"),
+    (ours, "continued", named("overdamped"), "there the mass is never faster than the pull"),
     *((SLIDER_3.opened, run, named("damped-cycle"), "it has no variable c") for run in RUNS),
 ]
 

@@ -11,6 +11,7 @@ from stickslip_verification.drive.fmu.instance import FmuFile
 from stickslip_verification.drive.masters import (
     CommunicationStep,
     Master,
+    NotApplicableError,
     Setting,
     Way,
     lacking,
@@ -123,6 +124,8 @@ def _shifted(fmu: FmuFile, case: Case) -> Setting:
     plain, offset, now = setting_of(fmu, case), _offset(case), dict(case.start)
     pairs = ({"z_start", "F_ext"}, {"g", "load"})
     moved = {name for pair in pairs if all(map(fmu.has, pair)) for name in pair}
+    if not moved:
+        need(fmu, pairs[0])
 
     def there(names: Iterable[str]) -> dict[str, float]:
         values = {
@@ -142,16 +145,21 @@ def _shifted(fmu: FmuFile, case: Case) -> Setting:
     return Setting(parameters, steps)
 
 
-def _begin_motion(m: Master, *, anew: bool = False) -> None:
-    """Read the motion alone; without x_start it can't be begun `anew` at the same place."""
-    names = ("x_dot",) if anew and not m.fmu.has("x_start") else ("x", "x_dot")
-    m.names = [name for name in names if name in m.names]
+def _begin_motion(m: Master) -> None:
+    """Read the motion alone: z, F and x_pull are others."""
+    m.names = [name for name in ("x", "x_dot") if name in m.names]
+    m.begin()
+
+
+def _begin_to_leave(m: Master) -> None:
+    """Mark the step before which most values are others; without x_start another x follows."""
     values, other = dict(m.start), [0]
     for step in m.setting.steps[:-1]:
         values |= step.changes
         other.append(sum(values[name] != m.start[name] for name in values))
     m.mark = other.index(max(other))
-    m.begin()
+    _begin_motion(m)
+    m.names = [name for name in m.names if name != "x" or m.fmu.has("x_start")]
 
 
 def _startable(fmu: FmuFile, case: Case) -> Setting:
@@ -161,19 +169,22 @@ def _startable(fmu: FmuFile, case: Case) -> Setting:
 
 
 def _go_on_anew(m: Master) -> None:
-    """When most values are others, and the mass is faster than the pull, start from there.
+    """After the mark, when the mass is faster than the pull, start from where it is.
 
-    The time begins anew too, in another instance.
+    The time begins anew too, in another instance. `NotApplicableError` if it is never so fast.
     """
     number, setting = m.number, m.setting
-    if number and number >= m.mark and not setting.start_time and not m.next.changes:
-        x, x_dot, force = m.instance.reader(("x", "x_dot", "F"))()
+    if setting.start_time == 0.0:
+        ready = number >= max(m.mark, 1) and not m.next.changes
+        x, x_dot, force = m.instance.reader(("x", "x_dot", "F"))() if ready else (0.0, 0.0, 0.0)
         if abs(x_dot) > abs(m.values["v"]):
             m.setting = replace(setting, start_time=-setting.points[number])
             there = {"x_start": x, "x_dot_start": x_dot, "z_start": force / m.values["k"]}
             values = {**m.values, **there}
             m.instances.reverse()
             m.instance.start({name: values[name] for name in setting.parameters})
+        elif number + 1 == len(setting.steps):
+            raise NotApplicableError("there the mass is never faster than the pull")
     m.set()
 
 
@@ -240,7 +251,7 @@ RUNS: Mapping[str, Way] = {
     "shifted": Way(setting=_shifted, begin=_begin_motion, reads_start=False),
     "continued": Way(
         setting=_startable,
-        begin=partial(_begin_motion, anew=True),
+        begin=_begin_to_leave,
         set=_go_on_anew,
         reads_start=False,
         instances=2,

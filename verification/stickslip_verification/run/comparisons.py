@@ -269,12 +269,12 @@ def _expected(plain: Plain, like: accuracy.Matched, *, whole: bool = False) -> t
     least = min(like.expected.values(), default=accuracy.LEAST)
     solved = [] if case.law in BUILT_IN else [*like.expected.values()]
     for solver, factor in _honest(like) if case.law in BUILT_IN else ():
-        if not whole and delta <= accuracy.STANDS_OUT * max(least, *solved, 0.0):
+        if not whole and delta <= accuracy.STANDS_OUT * max([least, *solved]):
             break
         honest = plain.ruler.deviation(solver.run(case)).delta
         solved.append(factor * min(honest, accuracy.DIVERGED))
     too_stiff = max(solved, default=0.0) >= accuracy.DIVERGED or _stiff(case, like)
-    return max(least, *solved, 0.0), too_stiff
+    return max([least, *solved]), too_stiff
 
 
 def _honest(like: accuracy.Matched) -> Iterator[tuple[Solver, float]]:
@@ -353,9 +353,14 @@ def _off(worst: accuracy.Deviation) -> str:
     return f"data off, by {worst.output} at t = {worst.time:.6g} s"
 
 
+def place_of(result: CheckResult) -> str:
+    """Return the output and the time at which a run is farthest off in its data, else nothing."""
+    return result.quantity.partition("data off, by ")[2]
+
+
 def output_of(result: CheckResult) -> str:
     """Return the output that a plain run is off by."""
-    return result.quantity.split()[3]
+    return place_of(result).partition(" ")[0]
 
 
 FINISHES = "runs-to-the-end"

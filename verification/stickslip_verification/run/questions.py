@@ -27,7 +27,14 @@ from stickslip_verification.model.verdict import (
     Question,
     Table,
 )
-from stickslip_verification.run.comparisons import FEW, Plain, Solution, as_large, output_of
+from stickslip_verification.run.comparisons import (
+    FEW,
+    Plain,
+    Solution,
+    as_large,
+    output_of,
+    place_of,
+)
 from stickslip_verification.run.experiment import Runs
 from stickslip_verification.suite.cases import Case
 from stickslip_verification.suite.invariants import load_invariants
@@ -386,7 +393,7 @@ def _model(
     )
     off, honest = (_percent(part or 0.0) for part in (worst.error, worst.expected))
     why = worst.failure or f"{worst.quantity} is {off:g} % of its scale from its plain run"
-    if not worst.failure and (place := _place(worst)):
+    if not worst.failure and (place := place_of(worst)):
         far = f"is off as if the data were by {off:g} %, an honest solver {honest:g} %"
         run = f"is as far from the plain run as if the data were off by {off:g} %"
         why = f"{place} {far if _plain(worst) else run}"
@@ -406,11 +413,6 @@ def _model(
 
 def _plain(result: CheckResult) -> bool:
     return result.truth == Kind.CLOSED_FORM
-
-
-def _place(result: CheckResult) -> str:
-    """Return the output and the time at which a plain run is farthest off."""
-    return result.quantity.partition(" by ")[2]
 
 
 def _telling(failed: Sequence[CheckResult]) -> str:

@@ -61,7 +61,7 @@ class RunInvariant(Invariant):
     """Another run of the FMU (a key of `RUNS`) gives the same motion.
 
     ``tolerance`` is that of the exact block, as a part of each output's largest value; None: bit
-    for bit. One that is ``numerical`` is tried on numerical solutions only.
+    for bit. One that is ``numerical`` is tried on numerical solutions only, within rounding.
     """
 
     run: Name

@@ -102,7 +102,6 @@ class FmuInstance(contextlib.AbstractContextManager["FmuInstance"]):
         self.file = fmu
         self.messages = Messages()
         self._name = f"{fmu.model_identifier}-{next(_COUNTER)}"
-
         self._gone = False
         try:
             # FMPy stays in the folder of the library if it cannot be loaded.
