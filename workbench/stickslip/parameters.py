@@ -66,7 +66,8 @@ def above_zero(given: float | str, unit: str, name: str) -> float:
     """Return such a quantity; raises ParameterError if it is not above 0 too."""
     value = quantity(given, unit, name, "above 0")
     if not value > 0.0:
-        raise ParameterError(name, f" {given!r} is out of range: it must be above 0{unit and f" {unit}"}")
+        least = "0" if unit == "1" else f"0 {unit}"
+        raise ParameterError(name, f" {given!r} is out of range: it must be above {least}")
     return value
 
 
