@@ -2,7 +2,8 @@
 
 ``python -m tests.bare none`` hides compilers, browsers and node and empties libraries; ``half``
 leaves a compiler without the C library's headers, a browser without a font, node without packages.
-Further words go to pytest. No test may fail, and with ``none`` each need must be told as missing.
+Further words go to pytest; without any it runs the tests that need more than pip brings. No test
+may fail, and with ``none`` each need must be told as missing.
 """
 
 import os
@@ -12,7 +13,9 @@ import sys
 import tempfile
 from pathlib import Path
 
-from tests.needs import HIDDEN_LIBPYTHON, NEEDS, ROOT
+import pytest
+
+from tests.needs import BY_PIP, HIDDEN_LIBPYTHON, NEEDS, ROOT
 
 PROGRAMS = re.compile(
     r"(.*-)?(cc|c\d\d|gcc|clang|tcc|chromium|chrome|firefox|node|np[mx])([-_.\d].*)?"
@@ -36,12 +39,10 @@ HALVES = {
 def main(machine: str, arguments: list[str]) -> int:
     """Run the tests on a machine, "none" or "half"; print what they say and what was not told."""
     command = [sys.executable, "-m", "pytest", "-p", "no:cacheprovider", "--color=no", "--gate"]
-    command += ["--numprocesses", "logical", "--dist", "worksteal"]
-    # They need what pip brings, and take minutes.
-    command += ["--ignore", "tests/workbench/test_documents.py"]
+    command += arguments or ["-p", "tests.bare"]
     with tempfile.TemporaryDirectory(prefix="bare-") as folder:
         done = subprocess.run(
-            [*command, *(arguments or ["-m", "needs"])],
+            command,
             cwd=ROOT,
             env=bare(Path(folder), half=machine == "half"),
             stdout=subprocess.PIPE,
@@ -58,6 +59,15 @@ def main(machine: str, arguments: list[str]) -> int:
     for name in silent:
         print(f"tests.bare: no test was skipped for want of {name}")
     return done.returncode or bool(silent)
+
+
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Leave in the tests that need more than pip brings."""
+    items[:] = [
+        item
+        for item in items
+        if {name for mark in item.iter_markers("needs") for name in mark.args} - BY_PIP
+    ]
 
 
 def bare(folder: Path, *, half: bool = False) -> dict[str, str]:
