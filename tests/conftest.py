@@ -5,7 +5,7 @@ import os
 import resource
 import shutil
 import tempfile
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from functools import cache
 from multiprocessing.util import Finalize
 from pathlib import Path
@@ -133,6 +133,14 @@ def pytest_terminal_summary(
 def sized(pytestconfig: pytest.Config) -> Sized:
     """Give what makes a full count that of this run: a tenth of it, with --soak all of it."""
     return int if pytestconfig.getoption("soak") else lambda full: full // 10
+
+
+def thinned(values: Iterable[object], every: int) -> list[ParameterSet]:
+    """Return values of a parameter, of which one of `every` few is not of full size."""
+    return [
+        pytest.param(each, marks=pytest.mark.soak if n % every else ())
+        for n, each in enumerate(values)
+    ]
 
 
 KINDS = ("python-2", "python-3", "native-2", "native-3")

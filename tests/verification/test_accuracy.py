@@ -29,6 +29,7 @@ from stickslip_verification.run import comparisons
 from stickslip_verification.run.comparisons import Plain, Solution
 from stickslip_verification.run.questions import Shown, cause
 from stickslip_verification.suite.cases import load_family
+from tests.conftest import thinned
 from tests.makers import plain
 from tests.verification.test_run import judged, wrong
 
@@ -80,7 +81,7 @@ UNLIKE = {
 
 
 @pytest.mark.gate
-@pytest.mark.parametrize("name", UNLIKE)
+@pytest.mark.parametrize("name", thinned(UNLIKE, 3))
 def test_no_case_of_an_honest_solver_stands_out(name: str) -> None:
     assert farthest(runs_of(UNLIKE[name])) < STANDS_OUT / 1.5
 
@@ -175,7 +176,7 @@ FAULTS = {
 
 
 @pytest.mark.gate
-@pytest.mark.parametrize("base", ["semi-implicit Euler, 1 ms", "RK45, 1e-06"])
+@pytest.mark.parametrize("base", thinned(("semi-implicit Euler, 1 ms", "RK45, 1e-06"), 2))
 @pytest.mark.parametrize("fault", FAULTS)
 def test_a_fault_stands_out_where_it_is_20_times_the_error_of_the_solver(
     base: str, fault: str
@@ -194,7 +195,7 @@ def test_a_fault_stands_out_where_it_is_20_times_the_error_of_the_solver(
 
 
 @pytest.mark.gate
-@pytest.mark.parametrize("base", ["semi-implicit Euler, 1 ms", "RK45, 1e-06"])
+@pytest.mark.parametrize("base", thinned(("semi-implicit Euler, 1 ms", "RK45, 1e-06"), 2))
 @pytest.mark.parametrize(
     ("fault", "said"),
     [
@@ -262,8 +263,8 @@ def moved() -> Mapping[tuple[str, str], Any]:
 
 
 @pytest.mark.gate
-@pytest.mark.parametrize("name", ["mu_s", "mu_k", "m", "k", "v", "c"])
-@pytest.mark.parametrize("part", [1e-3, -2e-3])
+@pytest.mark.parametrize("name", thinned(("mu_s", "mu_k", "m", "k", "v", "c"), 2))
+@pytest.mark.parametrize("part", thinned((-2e-3, 1e-3), 2))
 def test_a_parameter_that_acts_as_another_value_is_named_with_it(name: str, part: float) -> None:
     wrong = scaled(**{name: 1.0 + part})
     runs = {each: SOLVERS["RK45, 1e-06"].run(wrong(case)) for each, case in cases().items()}
@@ -274,8 +275,8 @@ def test_a_parameter_that_acts_as_another_value_is_named_with_it(name: str, part
 
 
 @pytest.mark.gate
-@pytest.mark.parametrize("name", ["mu_s", "mu_k", "m", "k", "v"])
-@pytest.mark.parametrize("part", [0.05, -0.1])
+@pytest.mark.parametrize("name", thinned(("mu_s", "m", "v", "k", "mu_k"), 3))
+@pytest.mark.parametrize("part", thinned((0.05, -0.1), 2))
 def test_an_offset_that_no_motion_is_linear_in_is_named_too(name: str, part: float) -> None:
     wrong = scaled(**{name: 1.0 + part})
     solver = SOLVERS["semi-implicit Euler, 1 ms"]
@@ -305,7 +306,7 @@ ROUGH = ("Heun, 1 in a step", "BDF, 0.0001", "switch model, 0.01 mm/s")
 
 
 @pytest.mark.gate
-@pytest.mark.parametrize("name", [*SOLVERS][::3])
+@pytest.mark.parametrize("name", thinned(SOLVERS, 11))
 def test_the_errors_of_an_honest_solver_are_no_wrong_parameter(name: str) -> None:
     runs = runs_of(SOLVERS[name])
     rulers = {each: ruler(each) for each in runs}

@@ -279,6 +279,9 @@ class Motion:
         """
         if not self._law.ages(self._n) or stick.wait is None:
             return stick
+        elapsed = self.time - self._arc_start
+        if elapsed <= stick.wait:
+            return Stick(None, stick.overload, stick.way)
         n, began = self._n, self._arc_start - self._born
         rate = n.k * abs(n.v)
         first = self._hold(began, self._state)
@@ -288,8 +291,7 @@ class Motion:
             grown = self._hold_series(began + t, self._rested(t))
             return way + grown.term(0) - first - rate * t, grown.term(1) - rate
 
-        elapsed = self.time - self._arc_start
-        if elapsed <= stick.wait or lacking(elapsed)[0] >= 0:
+        if lacking(elapsed)[0] >= 0:
             return Stick(None, stick.overload, stick.way)
         if way == 0 and lacking(stick.wait)[1] <= 0:
             return stick
@@ -314,7 +316,8 @@ class Motion:
         return hold if isinstance(hold, Series) else Series(self._context, [hold])
 
     def _hold(self, age: Number, state: tuple[Number, ...]) -> Number:
-        return self._hold_series(age, state).term(0)
+        hold = self._law.hold(self._n, Series.variable(self._context, age), state)
+        return hold.term(0) if isinstance(hold, Series) else hold
 
     def _sliding(self, speed: Number = 0) -> Number:
         """Return the friction [N] at a speed [m/s], now."""
