@@ -59,16 +59,17 @@ const drawing = (svg) => {
 };
 
 /** Press every button that can be pressed, one after the other, and give what they set. */
-async function pressAll(page, buttons) {
+async function pressAll(page, buttons, least = 2) {
   const set = [];
   let pressed = 0;
   await page.evaluate(() => {
     for (const fold of document.querySelectorAll("details")) fold.open = true;
   });
   // What comes into sight by that is drawn anew, with other buttons; on a busy machine later.
-  const able = (wanted) =>
-    [...document.querySelectorAll(wanted)].filter((e) => !e.disabled && e.checkVisibility()).length > 1;
-  await page.waitForFunction(able, { timeout: 10000 }, buttons).catch(() => null);
+  const able = (wanted, count) =>
+    [...document.querySelectorAll(wanted)].filter((e) => !e.disabled && e.checkVisibility()).length >=
+    count;
+  await page.waitForFunction(able, { timeout: 10000 }, buttons, least).catch(() => null);
   await page.evaluate(frames);
   for (const button of await page.$$(buttons)) {
     if (!(await button.evaluate((each) => !each.disabled && each.checkVisibility()))) continue;
@@ -83,11 +84,16 @@ async function pressAll(page, buttons) {
 /** Name, the element that the check is about, and what it finds. */
 const CHECKS = [
   ["jump", "#readout-delta_x", (page) => page.$eval("#readout-delta_x data", (e) => e.textContent)],
-  ...["schematic", "x-chart", "F-chart", "phase-chart"].map((id) => [
-    id,
-    `#${id}`,
-    (page) => page.$eval(`#${id}`, drawing),
-  ]),
+  [
+    "drawings",
+    "#schematic",
+    async (page) => [
+      await page.$eval("#schematic", drawing),
+      await page.$eval("#x-chart", drawing),
+      await page.$eval("#F-chart", drawing),
+      await page.$eval("#phase-chart", drawing),
+    ],
+  ],
   [
     "play",
     "#play",
@@ -189,7 +195,7 @@ const CHECKS = [
         all.map((each) => each.children.length).filter((count) => count !== 2),
       ),
   ],
-  ["story", "#story button", (page) => pressAll(page, "#story button")],
+  ["story", "#story button", (page) => pressAll(page, "#story button", 1)],
   ["said", "#said button", (page) => pressAll(page, "#said button")],
   ["cures", "#cures td button", (page) => pressAll(page, "#cures td button")],
   ["applications", "#applications button", (page) => pressAll(page, "#applications button")],
@@ -216,6 +222,8 @@ async function main([executablePath, file]) {
     browser: "firefox",
     executablePath,
     headless: true,
+    // What moves by itself is drawn again and again.
+    extraPrefsFirefox: { "ui.prefersReducedMotion": 1 },
     defaultViewport: { width: 1280, height: 800 },
   });
   const found = { errors: [], requests: [], checks: {}, version: await browser.version() };
