@@ -6,6 +6,7 @@ so its sign at turns and ends decides: no zero is missed, however shallow. A cor
 is met where u passes its speed, a knot; that is isolated by the same bounds.
 """
 
+import math
 from bisect import bisect_left, bisect_right
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
@@ -23,7 +24,8 @@ from stickslip_verification.truth.series import (
 )
 
 _ROUNDING_BITS = 16  # a series is cut where its last eighth is below 2^16 of its roundings
-_LENGTH_BITS = 0.05  # the length of a piece is known to 2^0.05, of which the shorter side counts
+_STEP_BITS, _LENGTH_BITS = 4096.0, 0.03125
+"""Bounds of the length of a piece; it is known to 2^(1/32), of which the shorter side counts."""
 _DEFECT_BITS = 30
 """The equation of motion must hold to 2^30 roundings at the end of a piece: the derivative of a
 series of order 80 is known to some thousand times less than the series."""
@@ -243,20 +245,18 @@ def _length(context: Context, terms: Sequence[Number]) -> Number:
     follows them is less by the ratio of the terms at the eighth's beginning and end.
     """
     sizes = [(n, context.mag(term)) for n, term in enumerate(terms) if term]
-    tail = [each for each in sizes if each[0] >= len(terms) * 7 // 8]
+    begin = len(terms) * 7 // 8
+    head, tail = ([each for each in sizes if (each[0] >= begin) is last] for last in (False, True))
     if not tail:
         return context.inf
     lost = context.prec - _ROUNDING_BITS
-    low, high = -4096.0, 4096.0
-    while high - low > _LENGTH_BITS:
-        middle = (low + high) / 2
-        if max(size + n * middle for n, size in tail) + lost <= max(
-            size + n * middle for n, size in sizes
-        ):
-            low = middle
-        else:
-            high = middle
-    return context.mpf(2) ** low
+    # In the logarithm of the step each size is a line, those of the tail are the steeper ones.
+    longest = min(
+        max(((high - low - lost) / (m - n) for n, high in head), default=-_STEP_BITS)
+        for m, low in tail
+    )
+    longest = _LENGTH_BITS * math.floor(longest / _LENGTH_BITS)
+    return context.mpf(2) ** max(-_STEP_BITS, min(longest, _STEP_BITS))
 
 
 _TOUCH_BITS = 44
