@@ -362,5 +362,5 @@ def test_an_fmu_whose_static_friction_is_high_alike_in_all_cases_is_not_right() 
 def test_a_block_that_ages_is_found(fault: str, said: list[str]) -> None:
     fmu = plain(f"Long{fault.title()}", step=1e-3, fault=fault).opened()
     setting = {"k": 90000.0, "v": 0.005}
-    told = keeps_its_cycle(fmu, setting, step=0.0047, count=6000, window=1000, seconds=60.0)
+    told = keeps_its_cycle(fmu, setting, step=0.056, count=500, window=80, seconds=60.0)
     assert [each[:24] for each in told] == said
