@@ -39,7 +39,7 @@ def test_a_force_along_the_way_changes_no_motion(axis: Axis, feed: float) -> Non
 
 @pytest.mark.gate
 def test_a_motion_does_not_depend_on_how_finely_it_is_shown() -> None:
-    fine, coarse = record(SERVO, 5e-4, 0.6), record(SERVO, 5e-4, 40.0 * 0.6)
-    same_times = fine.ahead[::40]
+    fine, coarse = record(SERVO, 5e-4, 0.3), record(SERVO, 5e-4, 10.0 * 0.3)
+    same_times = fine.ahead[::10]
     # Events of a loop of samples, located to rounding each.
     assert coarse.ahead[: len(same_times)] == pytest.approx(same_times, abs=1e-9)

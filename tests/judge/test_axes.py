@@ -58,7 +58,7 @@ def _said(end: Seen, kinds: tuple[str, ...]) -> bool:
 
 
 @pytest.mark.gate
-@pytest.mark.parametrize("number", [45, 117, 179, 185, 199])
+@pytest.mark.parametrize("number", [117, 179, 185])
 def test_a_sample_of_random_axes_does_what_is_said(number: int, tmp_path: Path) -> None:
     assert disagreements(number, tmp_path) == []
 
