@@ -152,6 +152,9 @@ def simulate(
     if engine == "reference":
         run = simulate_reference(what)
     elif engine != "block":
+        if isinstance(engine, str) and not Path(engine).exists():
+            reason = "is neither block nor reference, nor the path of an FMU"
+            raise ParameterError("engine", f" {engine!r} {reason}")
         run = simulate_fmu(what, Path(engine), progress)
     else:
         from stickslip_fmu.packer import build as packed
