@@ -1,5 +1,6 @@
 """The suite lints itself: each kind of flaw in its data files is one finding."""
 
+import json
 import re
 import shutil
 from dataclasses import replace
@@ -7,10 +8,13 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from pydantic import TypeAdapter
 
 from stickslip_verification import InvariantError, lint, load_invariants, load_mutants
 from stickslip_verification.run import lint as linter
-from stickslip_verification.suite.cases import CASES_FOLDER
+from stickslip_verification.suite.cases import CASES_FOLDER, CaseFile
+from stickslip_verification.suite.faults import FaultFile
+from stickslip_verification.suite.invariants import Invariants
 
 CASE = CASES_FOLDER / "default.toml"
 
@@ -108,3 +112,11 @@ def test_two_of_a_name_and_a_broken_file_do_not_hide_each_other(tmp_path: Path) 
     found = findings(tmp_path, "^", 'id = "default"\n', name="b.toml")
     assert "default: 2 cases have this id" in found
     assert any(each.startswith(f"{tmp_path / 'broken.toml'}: line 1") for each in found)
+
+
+@pytest.mark.parametrize(
+    ("kind", "shape"), [("case", CaseFile), ("fault", FaultFile), ("invariants", Invariants)]
+)
+def test_the_schema_for_editors_is_that_of_the_code(kind: str, shape: Any) -> None:
+    written = Path(__file__).parents[2] / "docs" / "schemas" / f"{kind}.schema.json"
+    assert json.loads(written.read_text("utf-8")) == TypeAdapter(shape).json_schema()
