@@ -38,6 +38,7 @@ _ALIKE = 0.05
 """Difference of mean and of deviation, as a part of the deviation; the points' places in the cycles
 make a fifth of it."""
 _PARTS = 12  # of a step, where the motion in whole ones changes
+_AS_FAR = 0.9  # of the way in whole steps, that one in parts has to come to clear an FMU
 
 
 class Caller:
@@ -216,29 +217,36 @@ def keeps_its_cycle(
 
     Of `count` steps of `step` [s] a `window` is compared at the beginning and at the end. After
     `seconds` of the processor, or twice as much of the clock, it ends with fewer. Where they
-    differ, the same in steps of a part decides, for an FMU without steps of its own.
+    differ, the same in steps of a part decides, for an FMU without steps of its own, in twice the
+    time; it clears the FMU only as far as it comes.
     `NotApplicableError` if the FMU is too slow for a long run, or diverges from the beginning.
     """
     need(fmu, lacking(fmu, parameters))
     values = {**defaults(fmu), **parameters}
     start = {name: value for name, value in values.items() if fmu.has(name)}
-    for parts in (1, _PARTS):
+    reached = 0.0
+    for parts, most in ((1, seconds), (_PARTS, 2.0 * seconds)):
         points = masters.Setting(
             start, [masters.CommunicationStep(step / parts, {})] * count * parts
         )
-        x = _course(fmu, points, seconds)
+        x = _course(fmu, points, most)
+        came = x.size * step / parts
         if x.size < 4 * window * parts:
-            raise NotApplicableError(f"{x.size} steps in {seconds:g} s are too few for a long run")
+            raise NotApplicableError(f"{x.size} steps in {most:g} s are too few for a long run")
         stretched = values["v"] * step / parts * np.arange(1, x.size + 1) - x
         windows = stretched[window * parts : 2 * window * parts], stretched[-window * parts :]
         with np.errstate(all="ignore"):  # what diverges
             (mean, spread), (mean_then, spread_then) = ((np.mean(w), np.std(w)) for w in windows)
         if max(abs(mean_then - mean), abs(spread_then - spread)) <= _ALIKE * spread:
+            # What comes less far does not clear what has aged later.
+            if came < _AS_FAR * reached:
+                raise NotApplicableError(f"{came:.0f} s in {most:g} s are too few for a long run")
             return []
+        reached = came
     if not np.all(np.isfinite(windows[0])):
         raise NotApplicableError("its steps are too long for this block")
     return [
-        f"after {x.size * step / parts:.0f} s the spring is stretched otherwise than at the "
+        f"after {came:.0f} s the spring is stretched otherwise than at the "
         f"beginning: mean {mean_then:.4g}, not {mean:.4g}; deviation {spread_then:.4g}, not "
         f"{spread:.4g}"
     ]
