@@ -4,7 +4,7 @@ PYTHON ?= python3
 VENV ?= .venv
 BIN := $(VENV)/bin
 
-.PHONY: verify native native-platforms dist faults test test-bare soak coverage lint bench docs docs-check check-generated check-study check-suite clean
+.PHONY: verify native native-platforms dist faults test test-bare soak coverage lint bench docs docs-check check-generated check-suite clean
 
 # Both FMUs: StickSlip.fmu under Coulomb's friction law, StickSlipStribeck.fmu under friction that
 # depends on the speed.
@@ -90,21 +90,17 @@ bench: $(VENV)/ready-to-test
 docs: $(VENV)/ready
 	$(BIN)/stickslip simulate --stop-time 2 --plot docs/stick-slip.png
 	$(BIN)/python docs/generate.py
-	$(BIN)/python -m examples.feed_axis study
+	$(BIN)/python -m examples.feed_axis
+	cp build/feed_axis/run.svg docs/feed-axis.svg
 
-# The study and the check of the suite's data files run on one core, and so beside each other.
+# Both run on one core, and so beside each other.
 docs-check: $(VENV)/ready
-	$(MAKE) --jobs 2 --output-sync check-generated check-study check-suite
+	$(MAKE) --jobs 2 --output-sync check-generated check-suite
 
 # With REPORTS of both FMUs, as `make verify` and `make faults` write them, it verifies none anew.
 REPORTS ?=
 check-generated: $(VENV)/ready
 	$(BIN)/python docs/generate.py --check $(REPORTS)
-
-# The pictures and two rows of each table; `make soak` checks all of them.
-STUDY ?= --variant 'as it is' --variant 'position on the motor'
-check-study: $(VENV)/ready
-	$(BIN)/python -m examples.feed_axis study --check $(STUDY)
 
 check-suite: $(VENV)/ready
 	$(BIN)/python -m stickslip_verification lint

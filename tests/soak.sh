@@ -20,10 +20,10 @@ part() {
 part make coverage TESTS="tests --soak"
 # `make test` as on a machine that lacks much.
 part "$bin/python" -m tests.bare none tests
-# Every planted fault on every check, all tables and pictures.
+# Every planted fault on every check, all tables.
 part "$bin/stickslip" build --bare
 part "$bin/python" -m stickslip_verification faults build/StickSlip.fmu --whole
-part make docs-check STUDY=
+part make docs-check
 
 echo
 printf '%s\n' "${spent[@]}"

@@ -6,6 +6,7 @@ the same interval with what was given at its start.
 """
 
 import csv
+import subprocess
 import sys
 import tempfile
 import zipfile
@@ -91,6 +92,32 @@ MASTERS: dict[str, Callable[[Path, float, float], Rows]] = {
     "ecos": run_in_ecos,
     "libcosim": run_in_libcosim,
 }
+
+
+class MasterError(RuntimeError):
+    """A master failed: what the FMU said of it, else the last line of what the master said."""
+
+
+def run(master: str, ssp: Path, stop: float, step: float, target: Path) -> None:
+    """Run a system to a time [s] in steps [s], in the master of this name in its own process.
+
+    Raises
+    ------
+    MasterError
+        If there is none of this name, or it fails.
+    """
+    if master not in MASTERS:
+        raise MasterError(f"--master: {master!r} is none of {', '.join(MASTERS)}")
+    words = [__file__, master, ssp, repr(stop), repr(step), target]
+    command = [sys.executable, "-I", *map(str, words)]
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    if done.returncode != 0:
+        lines = done.stderr.strip().splitlines() or ["no reason given"]
+        own = [line for line in lines if line.startswith(("StickSlip", "ServoDrive"))]
+        raise MasterError(f"{master} failed: {(own or lines[-1:])[0]}")
+    # Not every master stops where an FMU fails; what the FMU says is for the person.
+    print(done.stderr, end="", file=sys.stderr)
+
 
 if __name__ == "__main__":
     _, master, ssp, stop, step, target = sys.argv

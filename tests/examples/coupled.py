@@ -2,15 +2,20 @@
 
 import math
 import random
+import tempfile
 from collections.abc import Iterable, Mapping
 from contextlib import suppress
 from dataclasses import dataclass, field
+from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
+from examples.feed_axis.masters import NAMES, run_in_fmpy
 from examples.feed_axis.servo_drive.model import ServoDrive
 from examples.feed_axis.servo_drive.table import Settings
+from examples.feed_axis.system import Values, write_ssp
 from examples.feed_axis.whole_loop import solve
 from fmi.model import ModelError
 from stickslip_design.loop.stability import is_stable
@@ -24,6 +29,13 @@ EXACT: dict[str, Any] = {"resolution_motor": 0.0, "resolution_table": 0.0}
 NOTCH = {"notch": 200.0, "notch_damping": 0.4, "notch_depth": 0.1}
 LOW_PASS = {"low_pass": 500.0, "low_pass_damping": 0.7}
 FILTERED: dict[str, Any] = {**NOTCH, **LOW_PASS, "lag": 3e-4, "dead_time": 4e-4}
+
+
+def simulate(fmus: Path, values: Values, stop: float) -> dict[str, NDArray[np.float64]]:
+    with tempfile.TemporaryDirectory() as folder:
+        file = write_ssp(Path(folder) / "FeedAxis.ssp", values, fmus)
+        rows = np.array(run_in_fmpy(file, stop, values["drive"]["T_s"]))
+    return dict(zip(("time", *NAMES), rows.T, strict=True))
 
 
 def servo(values: Mapping[str, float]) -> ServoDrive:

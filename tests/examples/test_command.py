@@ -3,18 +3,25 @@
 import re
 import zipfile
 from pathlib import Path
+from typing import Any
 from xml.etree import ElementTree
 
 import numpy as np
+import pandas as pd
 import pytest
+import typer
 from fmpy.ssp.ssd import read_ssd, read_ssv
+from numpy.typing import NDArray
 
-from examples.feed_axis import __main__ as command
-from examples.feed_axis.runs import Run, simulate
+from examples.feed_axis.__main__ import main
+from examples.feed_axis.masters import MasterError, run
 from examples.feed_axis.system import Move, build_all, start_values, write_ssp
-from stickslip.errors import CommandError
 from stickslip_design.axis import axis_of, example
 from tests.needs import needs
+
+from .coupled import simulate
+
+Columns = dict[str, NDArray[np.float64]]
 
 STOP, STEP = 0.5, 250e-6
 SSV = "{http://ssp-standard.org/SSP1/SystemStructureParameterValues}"
@@ -34,13 +41,23 @@ def test_a_run_writes_the_ssp_file_samples_and_a_picture(
 ) -> None:
     file = tmp_path / "axis.toml"
     file.write_text(example().replace('position = "table"', 'position = "motor"'), "utf-8")
-    words = ["run", str(file), "--feed", "0.3mm/s", "--stop-time", "0.4", "-o", str(tmp_path)]
-    command.app(words, standalone_mode=False)
+    main(file, feed="0.3 mm/s", stop_time="0.4 s", output=tmp_path)
     assert capsys.readouterr().err == ""
     assert {"FeedAxis.ssp", "run.csv", "run.svg"} <= {file.name for file in tmp_path.iterdir()}
-    rows = np.genfromtxt(tmp_path / "run.csv", delimiter=",", names=True)
+    rows = pd.read_csv(tmp_path / "run.csv")
     # Friction winds the screw up: the table stays behind the motor, by F_s / k at most.
-    assert 0.0 < rows["x_motor"][-1] - rows["x"][-1] < 1.01 * 981.0 / 4e7
+    assert 0.0 < (rows["drive.x_motor"] - rows["table.x"]).iat[-1] < 1.01 * 981.0 / 4e7
+
+
+def test_what_is_no_run_is_refused_in_one_line(capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(typer.Exit):
+        main(feed="3 kg")
+    assert re.fullmatch("feed_axis: .*3 kg.*\n", capsys.readouterr().err)
+
+
+def run_in(master: str, ssp: Path, stop: float) -> Any:
+    run(master, ssp, stop, STEP, ssp.with_suffix(".csv"))
+    return pd.read_csv(ssp.with_suffix(".csv"))
 
 
 @pytest.fixture(scope="module")
@@ -49,13 +66,13 @@ def axis_file(fmus: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.fixture(scope="module")
-def own(fmus: Path) -> Run:
+def own(fmus: Path) -> Columns:
     return simulate(fmus, VALUES, STOP)
 
 
 @needs("cc")
-def test_the_native_table_shows_the_same_bits(own: Run, tmp_path: Path) -> None:
-    found = command.run_in(FMPY, build_all(tmp_path, AXIS, MOVE, native=True), STOP, STEP)
+def test_the_native_table_shows_the_same_bits(own: Columns, tmp_path: Path) -> None:
+    found = run_in(FMPY, build_all(tmp_path, AXIS, MOVE, native=True), STOP)
     assert all(np.array_equal(found[name], own[name]) for name in own)
 
 
@@ -64,13 +81,13 @@ def test_the_native_table_shows_the_same_bits(own: Run, tmp_path: Path) -> None:
 # stable, so differences stay; a count of an encoder that fell the other way is 1e-8 m or more.
 @pytest.mark.parametrize("master", MASTERS[1:])
 def test_masters_that_step_both_at_once_agree_in_every_bit_or_nanosecond(
-    master: str, axis_file: Path, own: Run
+    master: str, axis_file: Path, own: Columns
 ) -> None:
     off = 1e-11 if master == "libcosim" else 0.0
-    found = command.run_in(master, axis_file, STOP, STEP)
+    found = run_in(master, axis_file, STOP)
     assert off or all(np.array_equal(found[name], own[name]) for name in own)
-    assert np.max(np.abs(found["x"] - own["x"])) <= off
-    assert np.max(np.abs(found["x_motor"] - own["x_motor"])) <= off
+    for name in ("table.x", "drive.x_motor"):
+        assert np.max(np.abs(found[name] - own[name])) <= off
 
 
 @pytest.mark.parametrize("master", MASTERS)
@@ -81,11 +98,11 @@ def test_what_the_drive_refuses_is_told_also_where_the_master_goes_on(
     file = write_ssp(tmp_path / "refused.ssp", refused, fmus)
     reason = "K_v = -1.0 1/s is out of range: it must be finite and at least 0"
     if master == "ecos":
-        assert not command.run_in(master, file, 4 * STEP, STEP)["x_motor"].any()
+        assert not run_in(master, file, 4 * STEP)["drive.x_motor"].any()
         assert reason in capsys.readouterr().err
     else:
-        with pytest.raises(CommandError, match=re.escape(reason)):
-            command.run_in(master, file, 4 * STEP, STEP)
+        with pytest.raises(MasterError, match=re.escape(reason)):
+            run_in(master, file, 4 * STEP)
 
 
 def test_the_file_is_a_valid_ssp_with_the_same_numbers_in_both_places(axis_file: Path) -> None:

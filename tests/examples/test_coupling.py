@@ -10,14 +10,20 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from examples.feed_axis.runs import simulate
 from examples.feed_axis.whole_loop import Trajectory, solve
+from stickslip_design.loop.hunting import hunting
+from stickslip_design.loop.jumps import jump_at
 from stickslip_ref import Parameters, steady_cycle
 from tests.fmu.blocks import make_block
 
 from .axes import Axis
-from .coupled import EXACT, FILTERED, LOW_PASS, NOTCH, couple, velocity_loop
-from .test_how_to import COUPLING
+from .coupled import EXACT, FILTERED, LOW_PASS, NOTCH, couple, simulate, velocity_loop
+
+TEXT = (Path(__file__).parents[2] / "docs" / "feed-axis.md").read_text("utf-8")
+COUPLING = [
+    [float(cell) for cell in line.strip("| ").split("|")]
+    for line in TEXT.split("<!-- table: coupling -->\n")[1].split("<!-- end")[0].splitlines()[2:]
+]
 
 AXIS = Axis(**EXACT)
 H = AXIS.T_s
@@ -156,22 +162,42 @@ def test_the_coupling_errs_as_the_how_to_says_by_second_order_as_shipped() -> No
         [(AXIS, "", 2.0), (AXIS, "table", 1.0), (AXIS.but(follow=False), "", 1.0)], start=1
     ):
         errors = {
-            float(h): couple(axis, [1e-6 * float(h)] * round(5e5 / float(h)), first).off(truth)
-            for h in COUPLING
+            h: couple(axis, [1e-6 * h] * round(5e5 / h), first).off(truth) for h, *_ in COUPLING
         }
         # Only rounding differs from machine to machine.
-        told = [float(row[place]) for row in COUPLING.values()]
+        told = [row[place] for row in COUPLING]
         assert [1e6 * each for each in errors.values()] == pytest.approx(told, rel=5e-3)
-        # From 0.25 ms on; the next term is smaller by w h < 0.08 of a period's radian.
-        for h in (250.0, 125.0):
-            assert math.log2(errors[h] / errors[0.5 * h]) == pytest.approx(order, abs=0.08)
+        # At 0.25 ms; the next term is smaller by w h < 0.08 of a period's radian.
+        assert math.log2(errors[250.0] / errors[125.0]) == pytest.approx(order, abs=0.08)
 
 
 def test_the_fmus_move_as_the_whole_loop_with_all_parts(fmus: Path) -> None:
     axis = Axis(**EXACT, **ALL)
     truth, run = whole(axis, 0.5), simulate(fmus, axis.values, 0.5)
     # A hundredth of a jump, 2e-7 m; the force is off by that and its change over a sample, 1 um/s.
-    off = {"x": 2e-7, "x_motor": 2e-7, "F_motor": axis.K_p * (axis.K_v * 2e-7 + 1e-5)}
-    assert off["F_motor"] < 0.02 * np.max(run["F_motor"])
-    for name, most in off.items():
-        assert np.max(np.abs(run[name] - truth.column(name)[1:])) < most
+    force = axis.K_p * (axis.K_v * 2e-7 + 1e-5)
+    assert force < 0.02 * np.max(run["drive.F_motor"])
+    for name, most in {"table.x": 2e-7, "drive.x_motor": 2e-7, "drive.F_motor": force}.items():
+        assert np.max(np.abs(run[name] - truth.column(name.split(".")[1])[1:])) < most
+
+
+def test_at_a_constant_feed_the_table_creeps_as_the_design_tool_computes() -> None:
+    # 2 s at 0.5 mm/s; the tool leaves out the counts of the scale, 0.1 um.
+    axis = Axis()
+    meter = couple(axis, [H] * 8000).block.meter
+    cycle = jump_at(axis.designed, axis.feed)
+    assert cycle is not None
+    assert meter.delta_x == pytest.approx(cycle.way, abs=1e-7)
+    assert pytest.approx(cycle.period, abs=2e-4) == meter.T
+
+
+@pytest.mark.gate
+@pytest.mark.parametrize("on_table", [True, False])
+def test_about_a_target_it_hunts_or_rests_as_the_design_tool_computes(on_table: bool) -> None:
+    axis = Axis(on_table=on_table, feed=5e-3, distance=0.01)
+    motion, cycle = couple(axis, [H] * 24000), hunting(axis.designed)
+    if cycle is None:
+        assert np.ptp(motion.x[12000:]) == 0.0
+    else:
+        # The cycle evens out slowly.
+        assert abs(motion.block.meter.delta_x) == pytest.approx(cycle.jump, abs=5e-7)

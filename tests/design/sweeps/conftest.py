@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 from pythonfmu.builder import FmuBuilder
 
-from examples.feed_axis.system import Move, build_drive, start_values, write_ssp
+from examples.feed_axis.system import Move, build_all
 from stickslip_design.axis import axis_of, example
 
 HERE = Path(__file__).parent
@@ -20,8 +20,5 @@ def troubled(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.fixture(scope="session")
-def feed_axis(fmu_path: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
-    folder = tmp_path_factory.mktemp("feed_axis")
-    shutil.copy(fmu_path, folder / "StickSlip.fmu")
-    build_drive(folder)
-    return write_ssp(folder / "FeedAxis.ssp", start_values(axis_of(example()), Move(5e-4)), folder)
+def feed_axis(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return build_all(tmp_path_factory.mktemp("feed_axis"), axis_of(example()), Move(5e-4))

@@ -7,12 +7,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from examples.feed_axis.runs import simulate
 from examples.feed_axis.system import Move, start_values
 from stickslip_design.axis import axis_of, example
 from stickslip_design.sweeps import SweepError, read_model
 from stickslip_design.sweeps.study import prepare
 from tests.design.sweeps.test_runs import results
+from tests.examples.coupled import simulate
 
 STRUCTURE = "SystemStructure.ssd"
 PLAN = {
@@ -28,9 +28,9 @@ def test_a_system_moves_to_the_bit_as_in_the_loop_of_the_example(feed_axis: Path
     for place, m in enumerate((450.0, 500.0)):
         values = start_values(replace(axis_of(example()), m=m), Move(2e-3))
         run = simulate(feed_axis.parent, values, 0.02)
-        assert columns["table.x"][place] == run["x"][-1]
-        assert columns["table.x.max"][place] == np.max(run["x"])
-        assert columns["drive.F_motor"][place] == run["F_motor"][-1]
+        assert columns["table.x"][place] == run["table.x"][-1]
+        assert columns["table.x.max"][place] == np.max(run["table.x"])
+        assert columns["drive.F_motor"][place] == run["drive.F_motor"][-1]
 
 
 def test_values_of_the_file_hold_unless_the_plan_has_others(
