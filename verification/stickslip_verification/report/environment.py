@@ -175,5 +175,6 @@ def used(result: CheckResult) -> float:
 
 
 def text_of(name: str, folder: Path = _TEMPLATES) -> Markup:
-    """Return a style or a script that stands in a page as it is."""
-    return Markup((folder / name).read_text(encoding="utf-8"))
+    """Return a script that stands in a page as it is, or a style behind that of all documents."""
+    files = [_TEMPLATES / "document.css"] * name.endswith(".css") + [folder / name]
+    return Markup("".join(file.read_text(encoding="utf-8") for file in files))
