@@ -66,11 +66,4 @@ def grown(p: Parameters, age: float) -> float:
     return float(coefficient * p.N)
 
 
-def growth_rate(p: Parameters, age: float) -> float:
-    """Return the rate of `grown` [N/s] at this age [s]."""
-    tau_s, B, t_0 = (p.own.get(name, start) for name, start in (("tau_s", 0), ("B", 0), ("t_0", 1)))
-    rate = float(p.mu_s - p.mu_k_used) * math.exp(-age / tau_s) / tau_s if tau_s else 0.0
-    return float((rate + B / (t_0 + age)) * p.N)
-
-
 COULOMB = Coulomb()

@@ -37,7 +37,6 @@ _MOST_STEPS = 20_000
 _SETTLED = 1e-6
 """A slip whose speed and rest are so near those of the pull goes on for ever."""
 
-_NODES = np.array([0.2, 0.3, 0.8, 8 / 9, 1.0, 1.0])
 _STAGES = [
     [1 / 5],
     [3 / 40, 9 / 40],
