@@ -11,12 +11,11 @@ from stickslip_fmu import interface
 from stickslip_verification import FmuError, NameMap, load_mutants, verify
 from stickslip_verification.drive import FmuFile
 from stickslip_verification.drive.fmu import description as stated
-from stickslip_verification.drive.fmu.description import StatedContract, stated_contract
-from stickslip_verification.drive.fmu.names import Target
+from stickslip_verification.drive.fmu.description import StatedContract, Target, stated_contract
 from stickslip_verification.drive.masters import setting_of
-from stickslip_verification.drive.planting import plant
 from stickslip_verification.judge.checks import CONTRACTS, chosen_contract
 from stickslip_verification.model.verdict import ChosenContract
+from stickslip_verification.suite.faults import plant
 from tests.conftest import built
 from tests.makers import SLIDER, altered, edited
 from tests.verification.records import named

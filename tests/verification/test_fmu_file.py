@@ -9,9 +9,8 @@ import pytest
 
 from stickslip_verification import FmuError, NameMap
 from stickslip_verification.drive import FmuFile
-from stickslip_verification.drive.fmu.description import new_folder
+from stickslip_verification.drive.fmu.description import Target, new_folder
 from stickslip_verification.drive.fmu.instance import require
-from stickslip_verification.drive.fmu.names import Target
 from tests.makers import ODD, POOR, RENAMED, SLIDER, SLIDER_3, Foreign, altered, described, edited
 
 HERE, ELSEWHERE = fmpy.platform, {"linux64": "win64"}.get(fmpy.platform, "linux64")

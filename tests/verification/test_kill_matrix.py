@@ -19,7 +19,7 @@ from stickslip_verification.drive.fmu.instance import FmuFile
 from stickslip_verification.drive.probes.environments import LONG_PROBES
 from stickslip_verification.judge.checks import EXACT_CONTRACT, PHYSICS_CONTRACT, Contract
 from stickslip_verification.run.experiment import Experiment, compute
-from stickslip_verification.run.kill_matrix import detect
+from stickslip_verification.run.verify import detect
 from stickslip_verification.suite.faults import Override
 from tests.makers import SLIDER
 

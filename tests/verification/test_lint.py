@@ -11,7 +11,7 @@ import pytest
 from pydantic import TypeAdapter
 
 from stickslip_verification import InvariantError, lint, load_invariants, load_mutants
-from stickslip_verification.run import lint as linter
+from stickslip_verification import __main__ as linter
 from stickslip_verification.suite.cases import CASES_FOLDER, CaseFile
 from stickslip_verification.suite.faults import FaultFile
 from stickslip_verification.suite.invariants import Invariants

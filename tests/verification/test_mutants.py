@@ -6,8 +6,7 @@ from pathlib import Path
 import pytest
 
 from stickslip_verification import Mutant, MutantError, load_mutants
-from stickslip_verification.drive.planting import plant
-from stickslip_verification.suite.faults import Override, Substitution
+from stickslip_verification.suite.faults import Override, Substitution, plant
 from tests.driver import Fmu
 
 GOOD = '''\

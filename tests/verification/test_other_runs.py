@@ -10,10 +10,9 @@ import pytest
 
 from stickslip_verification import CheckResult, NameMap, load_invariants, load_mutants
 from stickslip_verification.drive import CommunicationStep, FmuFile, Setting, run
-from stickslip_verification.drive.fmu.names import Target
+from stickslip_verification.drive.fmu.description import Target
 from stickslip_verification.drive.masters import NotApplicableError, run_case
 from stickslip_verification.drive.other_runs import RUNS
-from stickslip_verification.drive.planting import plant
 from stickslip_verification.drive.processes import Answer
 from stickslip_verification.judge.accuracy import Band
 from stickslip_verification.judge.checks import (
@@ -26,6 +25,7 @@ from stickslip_verification.judge.checks import (
 from stickslip_verification.model.quantities import OUTPUT_NAMES
 from stickslip_verification.model.run import Run
 from stickslip_verification.suite.cases import Case
+from stickslip_verification.suite.faults import plant
 from tests.conftest import built
 from tests.makers import SLIDER, SLIDER_3, plain
 from tests.verification.records import exact_of, named

@@ -12,11 +12,10 @@ from _pytest.mark import ParameterSet
 from stickslip_verification import Mutant, load_invariants, load_mutants
 from stickslip_verification.drive import FmuError, FmuFile, processes
 from stickslip_verification.drive.masters import NotApplicableError
-from stickslip_verification.drive.planting import plant
 from stickslip_verification.drive.probes import environments
 from stickslip_verification.drive.probes.calls import differences
 from stickslip_verification.drive.probes.environments import PROBES
-from stickslip_verification.suite.faults import Substitution
+from stickslip_verification.suite.faults import Substitution, plant
 from tests.conftest import built
 from tests.makers import SLIDER, SLIDER_3, Foreign, altered, edited, misbehaving
 

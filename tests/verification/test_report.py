@@ -19,8 +19,8 @@ from stickslip_verification.model.verdict import (
     ObservedOrder,
     Table,
 )
-from stickslip_verification.report import provenance
 from stickslip_verification.report.files import as_junit
+from stickslip_verification.run.verify import provenance
 
 PASSED = CheckResult(
     case="default", check="t_slip-exact", quantity="t_slip", unit="s", truth=Kind.CLOSED_FORM,
@@ -94,7 +94,7 @@ def test_all_that_stands_behind_a_verdict_is_in_the_file(tmp_path: Path) -> None
 
 
 def test_the_provenance_names_the_bytes_that_were_judged(fmu_path: Path) -> None:
-    of = provenance.collect(FmuFile(fmu_path), "stickslip verify")
+    of = provenance(FmuFile(fmu_path), "stickslip verify")
     assert of["fmu"]["file"] == fmu_path.name
     assert of["fmu"]["sha256"] == hashlib.sha256(fmu_path.read_bytes()).hexdigest()
     assert {"python", "stickslip", "numpy", "scipy", "mpmath", "fmpy"} <= set(of["versions"])

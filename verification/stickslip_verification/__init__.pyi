@@ -1,8 +1,9 @@
 from . import drive as drive
+from .__main__ import lint as lint
 from .drive.fmu.description import FmuError as FmuError
-from .drive.fmu.names import NameMap as NameMap
-from .drive.fmu.names import NamesError as NamesError
-from .drive.fmu.names import load_names as load_names
+from .drive.fmu.description import NameMap as NameMap
+from .drive.fmu.description import NamesError as NamesError
+from .drive.fmu.description import load_names as load_names
 from .drive.starter import starter as starter
 from .drive.workers import Limits as Limits
 from .model.data_file import replacing as replacing
@@ -23,7 +24,6 @@ from .report.files import write_json as write_json
 from .report.html import packed_report as packed_report
 from .report.html import render as render
 from .report.html import write_report as write_report
-from .run.lint import lint as lint
 from .run.verify import verify as verify
 from .suite.cases import Case as Case
 from .suite.cases import CaseError as CaseError

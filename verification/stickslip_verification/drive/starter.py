@@ -23,18 +23,21 @@ import numpy as np
 from scipy.optimize import linear_sum_assignment
 
 from stickslip_verification.drive import workers
-from stickslip_verification.drive.fmu.description import Declared, Description, FmuError, shown
-from stickslip_verification.drive.fmu.instance import FLOATING, REQUIRED
-from stickslip_verification.drive.fmu.names import (
+from stickslip_verification.drive.fmu.description import (
     INPUT_UNITS,
     NOT_THERE,
     UNITS,
+    Declared,
+    Description,
+    FmuError,
     NameMap,
     Target,
     Variable,
     as_ours,
     looks_like,
+    shown,
 )
+from stickslip_verification.drive.fmu.instance import FLOATING, REQUIRED
 from stickslip_verification.drive.masters import CommunicationStep, Setting
 from stickslip_verification.model.quantities import QUANTITIES
 from stickslip_verification.model.run import Run, Series

@@ -19,9 +19,8 @@ from typing import Any, TypeVar
 
 from stickslip_verification.drive import exact as motions
 from stickslip_verification.drive.exact import kept
-from stickslip_verification.drive.fmu.description import FmuError
+from stickslip_verification.drive.fmu.description import FmuError, NameMap, Variable
 from stickslip_verification.drive.fmu.instance import FmuFile
-from stickslip_verification.drive.fmu.names import NameMap, Variable
 from stickslip_verification.drive.masters import MANNERS, Master, Setting, run_case
 from stickslip_verification.drive.other_runs import RUNS
 from stickslip_verification.drive.probes.environments import PROBES

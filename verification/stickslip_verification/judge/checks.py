@@ -17,8 +17,7 @@ from stickslip_verification.drive.processes import Answer
 from stickslip_verification.judge.accuracy import Band
 from stickslip_verification.judge.course import CheckError, Course, LackingError, Residual
 from stickslip_verification.judge.metrics import METRICS
-from stickslip_verification.model.formulas import FORMULAS
-from stickslip_verification.model.quantities import OUTPUT_NAMES, QUANTITIES
+from stickslip_verification.model.quantities import FORMULAS, OUTPUT_NAMES, QUANTITIES
 from stickslip_verification.model.run import Run, Series
 from stickslip_verification.model.verdict import (
     CheckResult,

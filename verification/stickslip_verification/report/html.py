@@ -19,15 +19,16 @@ from stickslip_verification.model.verdict import (
     Verdict,
 )
 from stickslip_verification.report import plots
-from stickslip_verification.report.environment import (
+from stickslip_verification.report.files import (
+    as_junit,
     environment,
+    json_text,
     reasons,
     sentence,
     text_of,
     used,
     with_exact_motion,
 )
-from stickslip_verification.report.files import as_junit, json_text
 from stickslip_verification.suite.cases import Meaning
 
 NO_MEANINGS: Mapping[str, Meaning] = MappingProxyType({})

@@ -1,19 +1,30 @@
-"""The suite as a whole: an FMU and the reference judged, faults planted, a verdict."""
+"""The suite as a whole: an FMU and the reference judged, faults planted, a verdict.
 
+The kill matrix says of each planted fault whether a check that was named in advance fails, the
+provenance where a verdict comes from: the FMU's bytes, versions, platform, revision of the source.
+"""
+
+import hashlib
 import math
-from collections.abc import Collection, Iterator, Sequence
+import platform
+import subprocess
+import tempfile
+from collections import Counter
+from collections.abc import Collection, Iterator, Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
 from contextlib import closing
 from dataclasses import replace
+from datetime import UTC, datetime
+from functools import partial
+from importlib import metadata
 from pathlib import Path
 from typing import Any
 
 from stickslip_verification.drive import workers
 from stickslip_verification.drive.exact import Exact
-from stickslip_verification.drive.fmu.description import FmuError
+from stickslip_verification.drive.fmu.description import FmuError, NameMap, content_digest
 from stickslip_verification.drive.fmu.instance import FmuFile, require
-from stickslip_verification.drive.fmu.names import NameMap
 from stickslip_verification.drive.masters import can_run, fitting, law_of, may_change, require_law
-from stickslip_verification.drive.planting import carries_source
 from stickslip_verification.drive.probes.environments import LONG_PROBES, OF_NUMERICAL
 from stickslip_verification.judge.checks import (
     CONTRACTS,
@@ -24,13 +35,14 @@ from stickslip_verification.judge.checks import (
 )
 from stickslip_verification.model.verdict import (
     CheckResult,
+    Detection,
+    KillMatrix,
     Klass,
     Motion,
     Question,
     Table,
     Verdict,
 )
-from stickslip_verification.report import provenance
 from stickslip_verification.run.comparisons import compare, compare_numerical, solution
 from stickslip_verification.run.experiment import (
     Baseline,
@@ -43,10 +55,15 @@ from stickslip_verification.run.experiment import (
     run_all,
     silent,
 )
-from stickslip_verification.run.kill_matrix import detect
 from stickslip_verification.run.questions import questions
 from stickslip_verification.suite.cases import Case, long_cases
-from stickslip_verification.suite.faults import Mutant, MutantError
+from stickslip_verification.suite.faults import (
+    FAULTS_FOLDER,
+    Mutant,
+    MutantError,
+    carries_source,
+    plant,
+)
 from stickslip_verification.suite.invariants import Invariants, Manner, load_invariants
 from stickslip_verification.suite.sequences import (
     COUNT,
@@ -61,6 +78,135 @@ from stickslip_verification.suite.sequences import (
 )
 from stickslip_verification.truth import COULOMB, COULOMB_NAME
 from stickslip_verification.truth.parameters import CHANGEABLE, START_VALUES
+
+LONGEST = 100.0
+"""Cases of more simulated time [s] are left out: a mutant that integrates would take minutes."""
+_AT_ONCE = 40  # random sequences that a mutant is tried on before it is seen whether one detects it
+TIME_LIMIT = 20.0  # seconds that a mutant may take for one run of a case
+
+
+def detect(
+    fmu: Path,
+    mutants: Sequence[Mutant],
+    experiment: Experiment,
+    jobs: int,
+    progress: Progress = silent,
+    *,
+    whole: bool = True,
+    **opened: Any,
+) -> KillMatrix:
+    """Plant each fault in the FMU, verify the mutant, and collect the checks that it fails.
+
+    Checks that fail only by the time limit do not count. A mutant that does not finish a case for
+    another reason fails the check of that alone, since nothing was compared. Cases of more than
+    `LONGEST` are left out; `MutantError` if no case is short enough. `jobs` mutants are tried at
+    once, each in a process of its own; `progress` counts them. ``opened`` are further arguments of
+    `workers.Pool`.
+
+    Each mutant is tried on every check where the matrix is to be `whole`; else on what its
+    description foretells, part by part up to the first such check that fails, and on everything
+    only if none of them detects it. Idle checks are not known then.
+    """
+    short = [each for each in experiment.baseline if each.case.stop_time <= LONGEST]
+    if not short:
+        raise MutantError(
+            FAULTS_FOLDER, "", f"no case is short enough to plant faults in: {LONGEST:g} s at most"
+        )
+    experiment = replace(experiment, baseline=short)
+    rows: list[Detection] = []
+    with (
+        tempfile.TemporaryDirectory(prefix="stickslip-mutants-") as folder,
+        ThreadPoolExecutor(workers.allowed(jobs)) as threads,
+    ):
+        fixed = (fmu, experiment, Path(folder), opened, whole)
+        for row in threads.map(partial(_try, *fixed), mutants):
+            rows.append(row)
+            progress(f"planted fault: {row.mutant}", len(rows), len(mutants))
+    columns = _columns(experiment)
+    killing = {check for row in rows for check in row.failing}
+    reasons = {invariant.id: invariant.stays for invariant in experiment.invariants}
+    idle = {check: reasons.get(check, "") for check in columns if check not in killing}
+    return KillMatrix(columns, rows, kills_nothing=idle if whole else {}, whole=whole)
+
+
+def _try(
+    fmu: Path,
+    experiment: Experiment,
+    folder: Path,
+    opened: Mapping[str, Any],
+    whole: bool,
+    mutant: Mutant,
+) -> Detection:
+    wanted, contract = mutant.detected_by, experiment.contract
+    failing: Mapping[str, int] = {}
+    broken = None
+    try:
+        # A numerical solution is judged over all cases, by what no fault names in advance.
+        parts = [] if whole or contract.numerical else _foretold(mutant, experiment)
+        how = {"hooks": mutant.hooks, "own_starts": contract.interface, **opened}
+        with workers.Pool(1, TIME_LIMIT, plant(fmu, mutant, folder), **how) as pool:
+            for part in (*parts, experiment):
+                runs = run_all(pool, part)
+                # What fails for the time it took does not count.
+                failures = [
+                    of for of in compare(runs, reference=False) if of.failed and not of.late
+                ]
+                checks = [failure.check for failure in failures]
+                plain = list(runs.plain.values())
+                late = next((answer for answer in plain if answer.late), None)
+                if part is experiment:
+                    failing = Counter(checks)
+                    if all(answer.value is None for answer in plain):
+                        broken = f"it finished no case: {plain[0].failure}"
+                elif failing := Counter(check for check in checks if check in wanted):
+                    break
+                elif late is not None:
+                    broken = f"it takes too long: {late.failure}"
+                    break
+    except MutantError as error:
+        broken = str(error)
+    return Detection(
+        mutant=mutant.id,
+        about=mutant.about,
+        wanted=wanted,
+        failing=dict(failing),
+        caught=any(contract.numerical or check in wanted for check in failing),
+        broken=broken,
+    )
+
+
+def _foretold(mutant: Mutant, experiment: Experiment) -> list[Experiment]:
+    """Split what a fault is foretold to fail into single cases and some sequences each.
+
+    The probes, about no case, are asked with the first one.
+    """
+    wanted = mutant.detected_by
+    if not set(wanted) & set(_columns(experiment)):
+        reason = f"none of {', '.join(wanted)} is a check of these cases or of all runs"
+        raise MutantError(mutant.file, mutant.id, reason)
+    few = experiment.invariants.only(wanted)
+    every_case = few.residuals or few.runs or few.agreements
+    parts: list[dict[str, Any]] = [
+        {"baseline": [replace(of, invariants=[i for i in of.invariants if i in few.residuals])]}
+        for of in sorted(experiment.baseline, key=lambda baseline: len(baseline.case.steps))
+        if every_case or any(check.id in wanted for check in of.case.checks)
+    ]
+    random = [test for test in experiment.random if test.manner in few.sequences]
+    parts += [{"random": random[n : n + _AT_ONCE]} for n in range(0, len(random), _AT_ONCE)]
+    nothing: dict[str, Any] = {"baseline": (), "random": ()}
+    return [
+        replace(experiment, invariants=replace(few, probes=() if n else few.probes), **nothing | of)
+        for n, of in enumerate(parts or [nothing])
+    ]
+
+
+def _columns(experiment: Experiment) -> list[str]:
+    """Return the checks that an FMU can fail, each once, in the order of the suite."""
+    of_cases = (check.id for each in experiment.baseline for check in each.case.checks)
+    of = experiment.invariants
+    families = (of.residuals, of.runs, of.sequences, of.agreements, of.probes)
+    of_invariants = (invariant.id for family in families for invariant in family)
+    return list(dict.fromkeys((*of_cases, *of_invariants)))
 
 
 def gaps(
@@ -138,7 +284,7 @@ def verify(
         chosen = chosen_contract(file, contract, strict=strict)
         file.look_for(COULOMB.parameters, optional=True)
         grows = all(file.has(each.name) for each in COULOMB.parameters)
-        origin = provenance.collect(file, command)
+        origin = provenance(file, command)
         applying = frozenset(case.id for case in cases if can_run(file, case))
         scope = Scope(
             frozenset(name for name in START_VALUES if file.has(name)),
@@ -271,3 +417,63 @@ def _try_to_open(
         (opened,) = pool.each(workers.open_fmu, [()])
     if opened.failure is not None:
         raise FmuError(f"{fmu}: its description cannot be read: {opened.failure}")
+
+
+TRUST = (
+    "The FMU ran in processes of the suite, and shares them with the code that drives it. One that "
+    "means to deceive, a Python FMU above all, can rewrite what that code reports: this report "
+    "finds errors, not fraud."
+)
+"""What a verdict is worth if an FMU is not honest."""
+
+PACKAGES = ("stickslip", "numpy", "scipy", "mpmath", "fmpy", "pythonfmu", "pythonfmu3")
+
+
+def provenance(fmu: FmuFile, command: str | None = None) -> dict[str, Any]:
+    """Gather the provenance of a run on `fmu`, as JSON values.
+
+    ``command`` is what to type to get the same again, ``trust`` a sentence for the reader. ``git``
+    is ``{"revision", "dirty"}`` of the working copy this package stands in, or None where there is
+    none; a version is None where the package is not installed.
+    """
+    names = fmu.names.file
+    with fmu.path.open("rb") as stream:
+        sha256 = hashlib.file_digest(stream, "sha256").hexdigest()
+    return {
+        "created": datetime.now(UTC).isoformat(timespec="seconds"),
+        "fmu": {
+            "file": fmu.path.name,
+            "content": content_digest(fmu.path),
+            "sha256": sha256,
+            "fmi_version": fmu.fmi_version,
+            "contract": fmu.stated.told,
+            "names": None if names is None else names.name,
+            "problems": list(fmu.problems),
+        },
+        "command": command,
+        "trust": TRUST,
+        "versions": {"python": platform.python_version()} | {p: _version(p) for p in PACKAGES},
+        "platform": platform.platform(),
+        "git": _git(Path(__file__).resolve().parents[2]),
+    }
+
+
+def _version(package: str) -> str | None:
+    try:
+        return metadata.version(package)
+    except metadata.PackageNotFoundError:
+        return None
+
+
+def _git(parent: Path) -> dict[str, Any] | None:
+    root = parent.parent
+    # An installed copy may lie inside the working copy of some other project.
+    if parent.name != "verification" or not (root / ".git").exists():
+        return None
+    command = ["git", "-C", str(root), "status", "--porcelain=v2", "--branch"]
+    try:
+        said = subprocess.run(command, capture_output=True, text=True, timeout=10, check=True)
+    except (OSError, subprocess.SubprocessError):
+        return None
+    head, *others = said.stdout.splitlines()
+    return {"revision": head.split()[-1], "dirty": any(line[0] != "#" for line in others)}

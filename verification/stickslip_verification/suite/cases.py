@@ -16,8 +16,13 @@ from pydantic.dataclasses import dataclass as model
 
 from stickslip_verification import truth
 from stickslip_verification.model import data_file as data
-from stickslip_verification.model.formulas import CYCLE, FORMULAS
-from stickslip_verification.model.quantities import GROUPS, OUTPUT_NAMES, QUANTITIES
+from stickslip_verification.model.quantities import (
+    CYCLE,
+    FORMULAS,
+    GROUPS,
+    OUTPUT_NAMES,
+    QUANTITIES,
+)
 from stickslip_verification.model.run import CommunicationStep, points
 from stickslip_verification.model.verdict import CaseGroup, Klass, Measure
 from stickslip_verification.suite.invariants import Invariants, invariant_ids

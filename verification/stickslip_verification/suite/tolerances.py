@@ -14,8 +14,7 @@ from pydantic import Field
 from pydantic.dataclasses import dataclass as model
 
 from stickslip_verification.model.data_file import WRITTEN, Count, Written
-from stickslip_verification.model.formulas import FORMULAS
-from stickslip_verification.model.quantities import QUANTITIES
+from stickslip_verification.model.quantities import FORMULAS, QUANTITIES
 from stickslip_verification.model.verdict import Measure
 from stickslip_verification.truth import COULOMB, FrictionLaw, Run
 

@@ -14,7 +14,7 @@ from markupsafe import Markup
 from numpy.typing import NDArray
 
 from stickslip_fmu.release import VERSION
-from stickslip_verification.report.environment import environment, text_of
+from stickslip_verification.report.files import environment, text_of
 
 from ..points.columns import Regime
 from ..shown import number

@@ -10,7 +10,7 @@ from markupsafe import Markup
 from matplotlib.figure import Figure
 
 from stickslip_fmu.release import VERSION
-from stickslip_verification.report.environment import environment, text_of
+from stickslip_verification.report.files import environment, text_of
 from stickslip_verification.report.svg import STYLE, as_part
 
 from ..verdict import Verdict

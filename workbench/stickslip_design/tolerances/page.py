@@ -9,7 +9,7 @@ import matplotlib as mpl
 from markupsafe import Markup
 
 from stickslip_fmu.release import VERSION
-from stickslip_verification.report.environment import environment, text_of
+from stickslip_verification.report.files import environment, text_of
 from stickslip_verification.report.svg import STYLE, as_part
 
 from ..report.record import plain

@@ -22,13 +22,16 @@ import fmpy.fmi3
 import fmpy.logging
 
 from stickslip_verification.drive.fmu.description import (
+    UNITS,
     Description,
     FmuError,
+    NameMap,
+    Variable,
+    collect,
     new_folder,
     one_line,
     unpack,
 )
-from stickslip_verification.drive.fmu.names import UNITS, NameMap, Variable, collect
 from stickslip_verification.truth.parameters import Parameter
 
 if TYPE_CHECKING:

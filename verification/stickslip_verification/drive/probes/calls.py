@@ -15,12 +15,10 @@ from typing import Any
 import numpy as np
 
 from stickslip_verification.drive import masters
-from stickslip_verification.drive.fmu.description import FmuError
+from stickslip_verification.drive.fmu.description import UNITS, FmuError
 from stickslip_verification.drive.fmu.instance import FmuFile, FmuInstance, available
-from stickslip_verification.drive.fmu.names import UNITS
 from stickslip_verification.drive.masters import NotApplicableError, defaults, lacking, need
-from stickslip_verification.model import formulas
-from stickslip_verification.model.quantities import OUTPUT_NAMES, QUANTITIES
+from stickslip_verification.model.quantities import OUTPUT_NAMES, QUANTITIES, first_load_up
 from stickslip_verification.model.run import Series
 from stickslip_verification.truth.parameters import START_VALUES, complete
 
@@ -190,7 +188,7 @@ def steps_onto_restick(
 def starts_at(fmu: FmuFile, time: float) -> list[str]:
     """Complain if `t_event` does not count from the start time [s]."""
     need(fmu, ["t_event"])
-    first = time + float(formulas.first_load_up(complete({})))
+    first = time + float(first_load_up(complete({})))
     with calling(fmu, [{"start": time}]) as caller:
         begin = caller.row()["t_event"]
         rows = caller.play([{"step": 0.001, "times": 300}])
