@@ -6,8 +6,8 @@ import pytest
 
 from stickslip_fmu.packer import build
 from stickslip_verification import CaseError, load_cases
+from stickslip_verification.drive.description import FmuError
 from stickslip_verification.drive.exact import FOLDER, kept
-from stickslip_verification.drive.fmu.description import FmuError
 from stickslip_verification.run.verify import verify
 from stickslip_verification.suite.cases import Case
 from tests.laws.renamed import NAME

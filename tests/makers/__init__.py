@@ -20,7 +20,7 @@ from pythonfmu3.builder import FmuBuilder as FmuBuilder3
 
 from stickslip_verification import NameMap
 from stickslip_verification.drive import FmuFile
-from stickslip_verification.drive.fmu.description import Target
+from stickslip_verification.drive.description import Target
 from tests.makers import vocabularies
 from tests.sharing import made_once
 

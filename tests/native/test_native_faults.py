@@ -9,7 +9,8 @@ import pytest
 from _pytest.mark import ParameterSet
 
 from stickslip_native.packer import sources_of
-from stickslip_verification.drive import workers
+from stickslip_verification.drive import processes
+from stickslip_verification.drive.exact import exact_motion, kept
 from stickslip_verification.drive.processes import Answer
 from stickslip_verification.judge.checks import EXACT_CONTRACT, applies
 from stickslip_verification.run.comparisons import compare
@@ -74,7 +75,7 @@ def faulty(edit: list[str], folder: Path) -> Path:
 def baseline(case_id: str) -> Baseline:
     folder = CASES if case_id.startswith("speeds") else CASES_FOLDER
     case = load_case(folder / f"{case_id}.toml")
-    exact = workers.exact(case)
+    exact = kept(exact_motion, case)
     holding = [each for each in load_invariants().residuals if applies(each, case, exact)]
     return Baseline(case, Answer(exact), invariants=holding)
 
@@ -85,7 +86,7 @@ def sequences(manner: str, count: int) -> list[RandomTest]:
     return random_tests(drawn, load_invariants().only({manner}).sequences, jobs=1, numerical=False)
 
 
-def failing(pool: workers.Pool, where: str) -> list[str]:
+def failing(pool: processes.Pool, where: str) -> list[str]:
     """Return how an FMU fails a check in a case, in sequences, or as a whole."""
     check, _, place = where.partition(" in ")
     few = load_invariants().only({check})
@@ -112,7 +113,7 @@ def tiers() -> list[ParameterSet]:
 @pytest.mark.parametrize("name", tiers())
 def test_a_fault_fails_the_check_that_fits(name: str, tmp_path: Path) -> None:
     fault = FAULTS[name]
-    with workers.Pool(1, fmu=faulty(fault["edit"], tmp_path)) as pool:
+    with processes.Pool(1, fmu=faulty(fault["edit"], tmp_path)) as pool:
         assert failing(pool, fault["check"])
 
 
@@ -122,5 +123,5 @@ def test_a_fault_fails_the_check_that_fits(name: str, tmp_path: Path) -> None:
 )
 def test_the_sound_fmu_passes_all_of_them(kind: tuple[str, str]) -> None:
     places = {each["check"] for each in FAULTS.values() if kind_of(each["edit"][0]) == kind}
-    with workers.Pool(1, fmu=built(*kind)) as pool:
+    with processes.Pool(1, fmu=built(*kind)) as pool:
         assert [each for where in places for each in failing(pool, where)] == []

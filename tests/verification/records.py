@@ -15,7 +15,7 @@ from stickslip_verification.judge.checks import (
     judge,
     judge_residual,
 )
-from stickslip_verification.model.run import Run, Series
+from stickslip_verification.model.verdict import Run, Series
 from stickslip_verification.suite.cases import CASES_FOLDER, Case
 from stickslip_verification.suite.invariants import ResidualInvariant
 

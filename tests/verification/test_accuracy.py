@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Mapping
 from dataclasses import replace
-from functools import cache
+from functools import cache, partial
 from typing import Any
 
 import numpy as np
@@ -11,8 +11,8 @@ from scipy.integrate import solve_ivp
 
 from stickslip_verification import Case, load_cases, load_invariants
 from stickslip_verification.drive import solvers
+from stickslip_verification.drive.calls import keeps_its_cycle
 from stickslip_verification.drive.exact import OFF, changes, exact_motion, kept, spreads
-from stickslip_verification.drive.probes.calls import keeps_its_cycle
 from stickslip_verification.drive.processes import Answer
 from stickslip_verification.drive.solvers import SOLVERS, Solver
 from stickslip_verification.judge.accuracy import (
@@ -24,7 +24,7 @@ from stickslip_verification.judge.accuracy import (
     wrong_parameter,
 )
 from stickslip_verification.judge.checks import PHYSICS_CONTRACT, of_invariant
-from stickslip_verification.model.run import Run
+from stickslip_verification.model.verdict import Run
 from stickslip_verification.run import comparisons
 from stickslip_verification.run.comparisons import Plain, Solution
 from stickslip_verification.run.questions import Shown, cause
@@ -71,7 +71,7 @@ UNLIKE = {
     "Euler, 0.5 ms": Solver(solvers._euler, step=5e-4),
     "Verlet, 0.2 ms": Solver(solvers._verlet, step=2e-4),
     "Verlet, 0.5 ms, events located": Solver(solvers._verlet, step=5e-4, located=True),
-    "Verlet, damping late, 0.5 ms": Solver(solvers._verlet_damped_late, step=5e-4),
+    "Verlet, damping late, 0.5 ms": Solver(partial(solvers._verlet, late=True), step=5e-4),
     "implicit Euler, 0.5 ms": Solver(solvers._implicit_euler, step=5e-4),
     "Runge-Kutta, 4 in a step": Solver(solvers._runge_kutta, parts=4),
     "RK45, 1e-5": Solver(rtol=1e-5),

@@ -10,8 +10,8 @@ import pytest
 from stickslip_fmu import interface
 from stickslip_verification import FmuError, NameMap, load_mutants, verify
 from stickslip_verification.drive import FmuFile
-from stickslip_verification.drive.fmu import description as stated
-from stickslip_verification.drive.fmu.description import StatedContract, Target, stated_contract
+from stickslip_verification.drive import description as stated
+from stickslip_verification.drive.description import StatedContract, Target, stated_contract
 from stickslip_verification.drive.masters import setting_of
 from stickslip_verification.judge.checks import CONTRACTS, chosen_contract
 from stickslip_verification.model.verdict import ChosenContract

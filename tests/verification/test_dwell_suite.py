@@ -4,8 +4,8 @@ from pathlib import Path
 
 import pytest
 
-from stickslip_verification.drive.fmu.description import NotApplicableError
-from stickslip_verification.drive.fmu.instance import FmuFile
+from stickslip_verification.drive.description import NotApplicableError
+from stickslip_verification.drive.instance import FmuFile
 from stickslip_verification.drive.masters import law_of, require_law, setting_of
 from stickslip_verification.suite.cases import follow
 from stickslip_verification.suite.sequences import SHARE, draw_sequences, well_decided, with_dwell

@@ -9,8 +9,8 @@ import pytest
 
 from stickslip_verification import FmuError, NameMap
 from stickslip_verification.drive import FmuFile
-from stickslip_verification.drive.fmu.description import Target, new_folder
-from stickslip_verification.drive.fmu.instance import require
+from stickslip_verification.drive.description import Target, new_folder
+from stickslip_verification.drive.instance import require
 from tests.makers import ODD, POOR, RENAMED, SLIDER, SLIDER_3, Foreign, altered, described, edited
 
 HERE, ELSEWHERE = fmpy.platform, {"linux64": "win64"}.get(fmpy.platform, "linux64")
@@ -172,6 +172,6 @@ def test_it_is_unpacked_where_the_wrapper_can_read_the_name(
     made.rmdir()
     assert (made.parent == tmp_path / name) is used
     if not used:
-        monkeypatch.setattr("stickslip_verification.drive.fmu.description._ELSEWHERE", ())
+        monkeypatch.setattr("stickslip_verification.drive.description._ELSEWHERE", ())
         with pytest.raises(FmuError, match=r"made with pythonfmu .* set TMPDIR"):
             new_folder()

@@ -10,7 +10,7 @@ import pytest
 
 from stickslip_verification import FmuError, truth
 from stickslip_verification.drive import CommunicationStep, FmuFile, Setting, run
-from stickslip_verification.drive.fmu.instance import FmuInstance
+from stickslip_verification.drive.instance import FmuInstance
 from tests.makers import RENAMED, SLIDER, SLIDER_3, Foreign, altered, edited, misbehaving, numbers
 from tests.needs import needs
 from tests.python import python

@@ -6,8 +6,8 @@ import pytest
 
 from stickslip_verification import FmuError, NameMap, NamesError, load_cases, load_names, truth
 from stickslip_verification.drive import FmuFile
-from stickslip_verification.drive.fmu.description import Target
-from stickslip_verification.drive.fmu.instance import require
+from stickslip_verification.drive.description import Target
+from stickslip_verification.drive.instance import require
 from stickslip_verification.drive.masters import fitting, require_law
 from tests.conftest import built
 from tests.makers import SLIDER, altered, edited

@@ -8,7 +8,7 @@ import pytest
 
 from stickslip_verification import NamesError, load_names, starter
 from stickslip_verification.drive import FmuFile
-from stickslip_verification.drive.fmu.description import UNITS
+from stickslip_verification.drive.description import UNITS
 from tests.makers import (
     SLIDER,
     SLIDER_3,

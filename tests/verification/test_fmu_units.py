@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from stickslip_verification import spelled
-from stickslip_verification.drive.fmu.description import UNITS
+from stickslip_verification.drive.description import UNITS
 from stickslip_verification.model.units import Dimension, Unit, conversion, defined
 
 LENGTH: Dimension = (0, 1, 0, 0, 0, 0, 0, 0)

@@ -18,9 +18,10 @@ from typing import Any
 import pytest
 
 from stickslip_verification import Case, FmuError, Limits, verify
-from stickslip_verification.drive import processes, workers
+from stickslip_verification.drive import processes
+from stickslip_verification.drive.masters import run_case
 from stickslip_verification.drive.processes import Answer
-from stickslip_verification.model.run import Run
+from stickslip_verification.model.verdict import Run
 from tests.makers import SLIDER, altered, edited, misbehaving
 from tests.python import run
 from tests.verification.records import named
@@ -33,8 +34,8 @@ def short(steps: int) -> Case:
     return replace(named("default"), steps=named("default").steps[:steps])
 
 
-def plain(pool: workers.Pool, *cases: Case) -> list[Answer[Run]]:
-    return list(pool.each(workers.plain_run, [(case,) for case in cases]))
+def plain(pool: processes.Pool, *cases: Case) -> list[Answer[Run]]:
+    return list(pool.each(run_case, [(case,) for case in cases]))
 
 
 def use(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -62,7 +63,7 @@ def test_a_misdeed_of_an_fmu_is_an_answer_and_the_next_task_gets_its_own(
     limits, words = MISDEEDS[what]
     fmu, seconds = misbehaving(what).path, 5.0 if what == "hang" else 60.0
     use(tmp_path, monkeypatch)
-    with workers.Pool(1, seconds, fmu, limits=limits) as p:
+    with processes.Pool(1, seconds, fmu, limits=limits) as p:
         before, during, after = plain(p, short(2), short(3), short(2))
     for answer in (before, after):
         assert answer.value is not None
@@ -78,11 +79,11 @@ def test_a_misdeed_of_an_fmu_is_an_answer_and_the_next_task_gets_its_own(
     assert not list(tmp_path.iterdir())
 
 
-def leave() -> None:
+def leave(_: object) -> None:
     os._exit(3)
 
 
-def answer_with_anything(*begin: bytes) -> None:
+def answer_with_anything(_: object, *begin: bytes) -> None:
     for each in gc.get_objects():
         if isinstance(each, Connection):
             for half in begin:
@@ -92,18 +93,18 @@ def answer_with_anything(*begin: bytes) -> None:
     time.sleep(60.0)
 
 
-def answer_by_half() -> None:
-    answer_with_anything(b"\0\0\xff\xff half")
+def answer_by_half(fmu: object) -> None:
+    answer_with_anything(fmu, b"\0\0\xff\xff half")
 
 
-def leave_a_child_with_all_that_was_open() -> None:
+def leave_a_child_with_all_that_was_open(_: object) -> None:
     if os.fork() == 0:
         os.setsid()
         time.sleep(300.0)
     os.kill(os.getpid(), signal.SIGABRT)
 
 
-def eat_in_children() -> None:
+def eat_in_children(_: object) -> None:
     for _ in range(4):
         if os.fork() == 0:
             break
@@ -123,11 +124,11 @@ def eat_in_children() -> None:
     ],
 )
 def test_a_process_that_is_lost_costs_its_task(
-    monkeypatch: pytest.MonkeyPatch, task: Callable[[], None], told: str
+    monkeypatch: pytest.MonkeyPatch, task: Callable[[object], None], told: str
 ) -> None:
     monkeypatch.setattr(processes, "LONGEST_SILENCE", 1)
     limits = Limits(memory=0.8)
-    with workers.Pool(1, fmu=misbehaving("raise").path, limits=limits) as pool:
+    with processes.Pool(1, fmu=misbehaving("raise").path, limits=limits) as pool:
         (lost,) = pool.each(task, [()])
         (after,) = plain(pool, short(2))
     assert lost.failure == told
@@ -145,7 +146,7 @@ def lives(process: int) -> bool:
 @linux
 def test_a_daemon_of_an_fmu_ends_with_the_pool(tmp_path: Path) -> None:
     notes = tmp_path / "notes.txt"
-    with workers.Pool(2, fmu=misbehaving(f"daemon {notes}").path) as pool:
+    with processes.Pool(2, fmu=misbehaving(f"daemon {notes}").path) as pool:
         assert all(answer.value is not None for answer in plain(pool, short(3), short(3)))
         daemons = [int(line) for line in notes.read_text(encoding="utf-8").split()]
         assert list(map(lives, daemons)) == [True, True]
@@ -155,10 +156,10 @@ def test_a_daemon_of_an_fmu_ends_with_the_pool(tmp_path: Path) -> None:
 SUITE = """\
 import os, sys
 from pathlib import Path
-from tests.verification.test_hostile import plain, short, workers
+from tests.verification.test_hostile import plain, short, processes
 
 if __name__ == "__main__":
-    with workers.Pool(1, fmu=Path(sys.argv[1])) as pool:
+    with processes.Pool(1, fmu=Path(sys.argv[1])) as pool:
         print(plain(pool, short(3))[0].failure, flush=True)
         if sys.argv[2:]:
             os.kill(os.getpid(), 9)
@@ -197,13 +198,13 @@ def test_an_fmu_that_hangs_everywhere_costs_its_budget_and_keeps_what_was_finish
     assert not verdict.passed
 
 
-def slow(seconds: float) -> float:
+def slow(_: object, seconds: float) -> float:
     time.sleep(seconds)
     return seconds
 
 
 def test_only_runs_without_a_result_spend_the_budget() -> None:
-    with workers.Pool(1, fmu=misbehaving("raise").path, limits=Limits(budget=8.0)) as pool:
+    with processes.Pool(1, fmu=misbehaving("raise").path, limits=Limits(budget=8.0)) as pool:
         for _ in range(3):
             (answer,) = pool.each(slow, [(3.0,)])
             assert answer == Answer(3.0)
@@ -217,7 +218,7 @@ def test_a_description_that_takes_too_long_is_refused(
     wrong = '<ScalarVariable name="q" valueReference="1" causality="foo"><Real/></ScalarVariable>'
     many = edited(("</ModelVariables>", f"{50_000 * wrong}</ModelVariables>"))
     path = altered(SLIDER.path, tmp_path / "long.fmu", many)
-    monkeypatch.setattr(workers, "TIME_LIMIT", 2.0)
+    monkeypatch.setattr(processes, "TIME_LIMIT", 2.0)
     with pytest.raises(FmuError, match="its description cannot be read: no answer within 2 s"):
         verify(path, [named("one-step")], jobs=1, time_limit=2.0)
 
@@ -229,8 +230,8 @@ def test_a_pool_that_is_left_ends_what_still_runs(
     use(tmp_path, monkeypatch)
 
     def interrupted() -> None:
-        with workers.Pool(1, fmu=fmu) as pool:
-            next(pool.each(workers.plain_run, [(short(2),), (short(3),)]))
+        with processes.Pool(1, fmu=fmu) as pool:
+            next(pool.each(run_case, [(short(2),), (short(3),)]))
             raise KeyboardInterrupt
 
     with pytest.raises(KeyboardInterrupt):

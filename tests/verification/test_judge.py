@@ -23,7 +23,7 @@ from stickslip_verification.judge.checks import (
 from stickslip_verification.judge.course import Course
 from stickslip_verification.judge.metrics import METRICS
 from stickslip_verification.model.quantities import OUTPUT_NAMES
-from stickslip_verification.model.run import CommunicationStep, Run
+from stickslip_verification.model.verdict import CommunicationStep, Run
 from stickslip_verification.suite.cases import CASES_FOLDER, Case
 from stickslip_verification.suite.invariants import load_invariants
 

@@ -15,8 +15,8 @@ from stickslip_verification import (
     load_mutants,
     verify,
 )
-from stickslip_verification.drive.fmu.instance import FmuFile
-from stickslip_verification.drive.probes.environments import LONG_PROBES
+from stickslip_verification.drive.environments import LONG_PROBES
+from stickslip_verification.drive.instance import FmuFile
 from stickslip_verification.judge.checks import EXACT_CONTRACT, PHYSICS_CONTRACT, Contract
 from stickslip_verification.run.experiment import Experiment, compute
 from stickslip_verification.run.verify import detect

@@ -10,7 +10,7 @@ import pytest
 
 from stickslip_verification import CheckResult, NameMap, load_invariants, load_mutants
 from stickslip_verification.drive import CommunicationStep, FmuFile, Setting, run
-from stickslip_verification.drive.fmu.description import Target
+from stickslip_verification.drive.description import Target
 from stickslip_verification.drive.masters import NotApplicableError, run_case
 from stickslip_verification.drive.other_runs import RUNS
 from stickslip_verification.drive.processes import Answer
@@ -23,7 +23,7 @@ from stickslip_verification.judge.checks import (
     same_run,
 )
 from stickslip_verification.model.quantities import OUTPUT_NAMES
-from stickslip_verification.model.run import Run
+from stickslip_verification.model.verdict import Run
 from stickslip_verification.suite.cases import Case
 from stickslip_verification.suite.faults import plant
 from tests.conftest import built

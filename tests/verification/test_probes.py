@@ -10,11 +10,10 @@ import pytest
 from _pytest.mark import ParameterSet
 
 from stickslip_verification import Mutant, load_invariants, load_mutants
-from stickslip_verification.drive import FmuError, FmuFile, processes
+from stickslip_verification.drive import FmuError, FmuFile, environments
+from stickslip_verification.drive.calls import differences
+from stickslip_verification.drive.environments import PROBES
 from stickslip_verification.drive.masters import NotApplicableError
-from stickslip_verification.drive.probes import environments
-from stickslip_verification.drive.probes.calls import differences
-from stickslip_verification.drive.probes.environments import PROBES
 from stickslip_verification.suite.faults import Substitution, plant
 from tests.conftest import built
 from tests.makers import SLIDER, SLIDER_3, Foreign, altered, edited, misbehaving
@@ -194,7 +193,7 @@ def test_what_goes_wrong_in_a_fresh_process_is_told_and_leaves_no_file(
     file, monkeypatched = FmuFile(fmu_path), monkeypatch.setattr
     monkeypatched(file, "path", misbehaving(what).path)
     monkeypatched("tempfile.tempdir", str(tmp_path))
-    monkeypatched(processes, "LIMIT", 3.0 if what == "hang" else 60.0)
+    monkeypatched(environments, "LIMIT", 3.0 if what == "hang" else 60.0)
     complaints = PROBES["elsewhere"](
         file, environments={}, calls=[{"start": 0.0}], then=[{"step": 0.01, "times": 3}]
     )

@@ -11,7 +11,7 @@ from typing import Any
 import pytest
 
 from stickslip_verification import CheckResult, KillMatrix, Verdict, write_json
-from stickslip_verification.drive.fmu.instance import FmuFile
+from stickslip_verification.drive.instance import FmuFile
 from stickslip_verification.model.verdict import (
     ChosenContract,
     Detection,

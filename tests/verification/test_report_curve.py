@@ -6,8 +6,7 @@ from functools import cache
 import numpy as np
 import pytest
 
-from stickslip_verification.model.run import Run
-from stickslip_verification.model.verdict import Motion
+from stickslip_verification.model.verdict import Motion, Run
 from stickslip_verification.report.plots import curve, draw_case
 
 from .records import exact_of, named, planted, value, without

@@ -16,13 +16,13 @@ from stickslip_verification import (
     render,
     write_report,
 )
-from stickslip_verification.model.run import Run
 from stickslip_verification.model.verdict import (
     CaseGroup,
     ChosenContract,
     Detection,
     Motion,
     ObservedOrder,
+    Run,
     Table,
 )
 from tests.verification.test_report import result

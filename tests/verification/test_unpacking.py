@@ -10,7 +10,7 @@ import pytest
 
 from stickslip_verification import FmuError
 from stickslip_verification.drive import FmuFile
-from stickslip_verification.drive.fmu import description as unpacking
+from stickslip_verification.drive import description as unpacking
 from tests.makers import SLIDER, described
 from tests.python import python
 

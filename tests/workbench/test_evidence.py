@@ -13,7 +13,7 @@ import pytest
 from fmpy.util import read_csv
 
 from stickslip_fmu.spec import TABLE
-from stickslip_verification.drive.fmu.description import content_digest
+from stickslip_verification.drive.description import content_digest
 from tests.python import run
 
 from .running import Command

@@ -13,7 +13,7 @@ from stickslip.commands.shared import pack_evidence
 from stickslip.errors import CommandError
 from stickslip_verification import load_cases, load_mutants
 from stickslip_verification import verify as judge
-from stickslip_verification.drive.fmu.description import content_digest
+from stickslip_verification.drive.description import content_digest
 from stickslip_verification.suite.cases import CASES_FOLDER
 from stickslip_verification.suite.faults import plant
 from tests.makers import SLIDER, altered, edited

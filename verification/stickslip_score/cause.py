@@ -32,15 +32,7 @@ from stickslip_score.figures import (
     scatter_of,
     si,
 )
-from stickslip_score.fit import (
-    Fit,
-    Fits,
-    Slide,
-    explained_by_drift,
-    fit_slide,
-    fits_of,
-    solved,
-)
+from stickslip_score.fit import Fit, Fits, Slide, explained_by_drift, fit_slide, fits_of, solved
 from stickslip_score.read import Curve, CurveError, Floats
 from stickslip_verification.truth import steady_cycle
 from stickslip_verification.truth.parameters import complete, used_mu_k

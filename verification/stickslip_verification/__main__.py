@@ -12,11 +12,10 @@ from collections.abc import Collection, Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from pathlib import Path
 
-from stickslip_verification.drive import workers
-from stickslip_verification.drive.exact import Exact, exact_motion, kept
-from stickslip_verification.drive.fmu.description import FmuError
+from stickslip_verification.drive.description import FmuError
+from stickslip_verification.drive.environments import PROBES
+from stickslip_verification.drive.exact import Exact, exact_motion, kept, spreads
 from stickslip_verification.drive.other_runs import RUNS
-from stickslip_verification.drive.probes.environments import PROBES
 from stickslip_verification.drive.solvers import SOLVERS
 from stickslip_verification.judge.accuracy import DIVERGED, Ruler
 from stickslip_verification.judge.metrics import METRICS
@@ -178,7 +177,7 @@ def write_family() -> None:
 
 
 def _deltas(case: Case) -> list[float]:
-    ruler = Ruler(workers.exact(case), workers.spreads(case))
+    ruler = Ruler(kept(exact_motion, case), kept(spreads, case))
     runs = [solver.run(case) for solver in SOLVERS.values()]
     return [min(ruler.deviation(run).delta, DIVERGED) for run in runs]
 

@@ -1,5 +1,5 @@
-from .fmu.description import FmuError as FmuError
-from .fmu.instance import FmuFile as FmuFile
+from .description import FmuError as FmuError
+from .instance import FmuFile as FmuFile
 from .masters import CommunicationStep as CommunicationStep
 from .masters import Setting as Setting
 from .masters import run as run

@@ -25,8 +25,7 @@ import numpy as np
 from stickslip_verification import truth
 from stickslip_verification.model.data_file import write_whole
 from stickslip_verification.model.quantities import OUTPUT_NAMES
-from stickslip_verification.model.run import Event, Run, Series, Transition
-from stickslip_verification.model.verdict import ObservedOrder
+from stickslip_verification.model.verdict import Event, ObservedOrder, Run, Series, Transition
 from stickslip_verification.suite.cases import Case, follow
 from stickslip_verification.suite.invariants import Order
 from stickslip_verification.suite.tolerances import Facts, facts_of

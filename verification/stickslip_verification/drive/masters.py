@@ -15,19 +15,14 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from stickslip_verification.drive.fmu.description import FmuError
-from stickslip_verification.drive.fmu.description import NotApplicableError as NotApplicableError
-from stickslip_verification.drive.fmu.instance import FmuFile, FmuInstance, available
+from stickslip_verification.drive.description import FmuError
+from stickslip_verification.drive.description import NotApplicableError as NotApplicableError
+from stickslip_verification.drive.instance import FmuFile, FmuInstance, available
 from stickslip_verification.model.quantities import OUTPUT_NAMES
-from stickslip_verification.model.run import CommunicationStep as CommunicationStep
-from stickslip_verification.model.run import Run, points
+from stickslip_verification.model.verdict import CommunicationStep as CommunicationStep
+from stickslip_verification.model.verdict import Run, points
 from stickslip_verification.truth.course import BUILT_IN, COULOMB_NAME
-from stickslip_verification.truth.parameters import (
-    CHANGEABLE,
-    START_VALUES,
-    Parameter,
-    changeable,
-)
+from stickslip_verification.truth.parameters import CHANGEABLE, START_VALUES, Parameter, changeable
 
 if TYPE_CHECKING:
     from stickslip_verification.suite.cases import Case
@@ -326,9 +321,6 @@ class Way:
         return replace(run, times=np.array(case.times)) if complete else run
 
 
-run_case = Way()  # drives a fresh instance of an FMU through a case, plainly
-
-
 def _in_parts(m: Master, cuts: int, then: Callable[[Master], object] = lambda _: None) -> None:
     """Cut the step into steps of very different length, and do something after each."""
     for piece in m.pieces(cuts):
@@ -465,6 +457,11 @@ MANNERS: Mapping[str, Way] = {
     }.items()
 }
 """What a family of sequences can name as ``manner``."""
+
+
+def run_case(fmu: FmuFile, case: Case, manner: str | None = None) -> Run:
+    """Drive a fresh instance of an FMU through a case, plainly or in a manner of `MANNERS`."""
+    return (MANNERS[manner] if manner else Way())(fmu, case)
 
 
 def run(fmu: FmuFile, setting: Setting, after_step: AfterStep | None = None) -> Run:

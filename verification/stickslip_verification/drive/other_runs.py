@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from functools import cached_property, partial
 from typing import TYPE_CHECKING
 
-from stickslip_verification.drive.fmu.instance import FmuFile
+from stickslip_verification.drive.instance import FmuFile
 from stickslip_verification.drive.masters import (
     CommunicationStep,
     Master,
@@ -21,8 +21,8 @@ from stickslip_verification.drive.masters import (
     setting_of,
 )
 from stickslip_verification.model.quantities import OUTPUTS, Quantity
-from stickslip_verification.model.run import Run
 from stickslip_verification.model.units import spelled
+from stickslip_verification.model.verdict import Run
 from stickslip_verification.truth.parameters import PARAMETERS, Parameter
 
 if TYPE_CHECKING:
@@ -258,3 +258,8 @@ RUNS: Mapping[str, Way] = {
     ),
 }
 """What an invariant can name as ``run``."""
+
+
+def other_run(fmu: FmuFile, case: Case, run: str) -> Run:
+    """Drive an FMU through a case in another way of `RUNS`."""
+    return RUNS[run](fmu, case)

@@ -1,4 +1,7 @@
-"""A worker process and its guard: limits on what an FMU may take, an end to all that it starts.
+"""Worker processes: a crash or a hang of an FMU costs its task and nothing else.
+
+A pool gives tasks to its workers; every task returns an `Answer`, also where the worker crashed.
+Without an FMU the workers compute the truth and run the reference.
 
 Where the system has `fork`, the process that holds an FMU has a guard as its parent. The guard is
 the subreaper of all its descendants (Linux, prctl(2)): a daemon that leaves its session and its
@@ -9,9 +12,8 @@ its guard is ended with it, but a daemon of it is not.
 
 import contextlib
 import ctypes
-import faulthandler
 import itertools
-import locale
+import math
 import multiprocessing
 import multiprocessing.util
 import os
@@ -21,19 +23,22 @@ import shutil
 import signal
 import socket
 import struct
-import subprocess
 import sys
 import tempfile
 import time
-from collections.abc import Callable, Iterator, Mapping
+from collections import deque
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
+from functools import cache, partial
 from multiprocessing import forkserver, resource_tracker
-from multiprocessing.connection import Connection
+from multiprocessing.connection import Connection, wait
 from multiprocessing.context import BaseContext
 from pathlib import Path
 from typing import Any, Final, Generic, TypeVar
 
-from stickslip_verification.drive.fmu.description import NotApplicableError
+from stickslip_verification.drive.description import NameMap, NotApplicableError
+from stickslip_verification.drive.instance import FmuFile
+from stickslip_verification.suite.faults import Hook
 
 T = TypeVar("T")
 
@@ -76,6 +81,42 @@ def reason(error: BaseException) -> str:
     return f"{type(error).__name__}: {' '.join(str(error).split())}"
 
 
+NOT_MADE = "not finished"  # beginning of the failure of a run for which no time was left
+TIME_LIMIT = PROBE_LIMIT = 60.0
+"""Seconds that one run of a case, or one probe, may take; the longest of the suite takes a few."""
+MOST_PER_PROCESSOR = 4
+"""Processes for each processor; more of them only take memory from each other."""
+
+_GIGABYTE = 1e9
+
+
+@dataclass(frozen=True)
+class Limits:
+    """What an FMU may take.
+
+    ``budget`` is the time [s] of all its runs without a result together, so that a slow FMU that
+    finishes its runs is not ended; ``memory`` that of each process with all that it starts [GB].
+    """
+
+    budget: float = 120.0
+    memory: float = 4.0
+
+
+USUAL = Limits()
+
+
+def jobs_here() -> int:
+    """Return the number of processes that may work at once: one per processor."""
+    if hasattr(os, "sched_getaffinity"):
+        return len(os.sched_getaffinity(0))
+    return os.cpu_count() or 1
+
+
+def allowed(jobs: int) -> int:
+    """Return how many of so many wanted processes may work at once."""
+    return min(jobs, MOST_PER_PROCESSOR * jobs_here())
+
+
 MOST_ANSWERED: Final = 2**30
 """Bytes of one answer that are taken; the longest record of the suite has some 10^7."""
 ENDING: Final = 5.0  # seconds in which a guard ends its descendants; then it is ended itself
@@ -83,13 +124,6 @@ LONGEST_SILENCE: Final = 20  # seconds in which nothing comes of an answer that 
 SHORT_FOLDER, LONGEST_FOLDER = "/tmp", 70
 """Where sockets go if the folder for temporary files has a name of more bytes: the path of a socket
 has 103 (macOS; 107 on Linux, unix(7)), and multiprocessing appends 32."""
-Environment = Mapping[str, str | bool]
-"""Environment variables and their values; False for one that is not set."""
-LIMIT: Final = 30.0
-"""Seconds that a fresh process may take; alone on its processor most take half of one."""
-
-_COMMAND = "from stickslip_verification.drive.processes import serve; serve()"
-
 _GUARD_PERIOD, _LOOKS_FOR_MEMORY = 20.0, 25
 """Milliseconds between two looks of a guard at its worker; at each so many looks it adds up the
 memory, which takes some milliseconds."""
@@ -102,6 +136,13 @@ _PR_SET_PDEATHSIG: Final = 1
 _PR_SET_CHILD_SUBREAPER: Final = 36
 
 Task = Callable[..., Any]
+_PRELOADED = (
+    "stickslip_verification.drive.exact",
+    "stickslip_verification.drive.other_runs",
+    "stickslip_verification.drive.environments",
+    "stickslip_ref",
+)
+"""The modules with the tasks, which the server of the workers loads once."""
 
 
 class LostError(Exception):
@@ -291,7 +332,7 @@ def fast_context() -> BaseContext:
     if "forkserver" not in multiprocessing.get_all_start_methods():
         return multiprocessing.get_context("spawn")
     context = multiprocessing.get_context("forkserver")
-    context.set_forkserver_preload(["stickslip_verification.drive.workers", "stickslip_ref"])
+    context.set_forkserver_preload([*_PRELOADED])
     usual = tempfile.gettempdir()
     before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
     try:
@@ -309,47 +350,125 @@ def fast_context() -> BaseContext:
     return context
 
 
-def in_fresh_process(
-    function: Callable[[], T],
-    environment: Environment | None = None,
-    elsewhere: bool = False,
-    seconds: float = 0.0,
-) -> Answer[T]:
-    """Return the answer of a function that can be pickled, from a process without a past.
+@dataclass(eq=False)
+class _Task:
+    function: Callable[..., Any]
+    arguments: tuple[Any, ...]
+    limit: float
+    begun: float = 0.0
+    answer: Answer[Any] | None = None
 
-    The environment differs from the one of this process by `environment`, the working folder is an
-    empty one if it runs `elsewhere`, and it may take some `seconds` more than `LIMIT`.
+    @property
+    def seconds(self) -> float:
+        return time.monotonic() - self.begun
+
+
+class Pool(contextlib.AbstractContextManager["Pool"]):
+    """A few processes, `jobs` at most, that work through tasks while an answer is waited for.
+
+    Leaving the `with` block ends whatever still runs, and what an FMU left behind. A task may take
+    `time_limit` [s]; with `fresh` each gets a new process, for an FMU that lives only once in one.
+    With an FMU, which may take `limits`, each task gets its `FmuFile` as the first argument, opened
+    once in a process; without one time alone is limited.
     """
-    limit = LIMIT + seconds
-    # A process that crashes or is ended leaves the files of the FMU there.
-    with tempfile.TemporaryDirectory(prefix="stickslip-", ignore_cleanup_errors=True) as scratch:
-        variables = {**os.environ, "TMPDIR": scratch, **(environment or {})}
-        try:
-            ended = subprocess.run(
-                [sys.executable, "-P", "-c", _COMMAND, str(limit)],
-                input=pickle.dumps(function),
-                stdout=subprocess.PIPE,
-                env={name: value for name, value in variables.items() if isinstance(value, str)},
-                cwd=scratch if elsewhere else None,
-                timeout=limit,
-                check=False,
-            )
-        except subprocess.TimeoutExpired:
-            return Answer(failure=f"no answer within {limit:g} s", late=True)
-    try:
-        answer: Answer[T] = pickle.loads(ended.stdout)
-    except Exception:
-        return Answer(failure=f"the process ended with exit code {ended.returncode}")
-    return answer
+
+    def __init__(
+        self,
+        jobs: int,
+        time_limit: float = TIME_LIMIT,
+        fmu: Path | None = None,
+        names: NameMap | None = None,
+        *,
+        fresh: bool = False,
+        hooks: Sequence[Hook] = (),
+        own_starts: bool | None = None,
+        limits: Limits = USUAL,
+    ) -> None:
+        self._jobs, self._limit, self._fresh = allowed(jobs), time_limit, fresh
+        self._budget = limits.budget if fmu is not None else math.inf
+        self._folder = tempfile.TemporaryDirectory(prefix="stickslip-", ignore_cleanup_errors=True)
+        opened = fmu and partial(FmuFile, fmu, names, hooks, own_starts=own_starts)
+        memory = None if fmu is None else round(limits.memory * _GIGABYTE)
+        self._start = partial(Worker, _begin, (self._folder.name, opened), memory)
+        self._waiting: deque[_Task] = deque()
+        self._idle: list[Worker] = []
+        self._busy: dict[Worker, _Task] = {}
+        self._lost, self._over = 0.0, False
+
+    def each(
+        self, task: Callable[..., T], arguments: Sequence[tuple[Any, ...]], most: float = math.inf
+    ) -> Iterator[Answer[T]]:
+        """Yield the answers of a task to tuples of arguments; `most` [s] is a lower time limit."""
+        tasks = [_Task(task, each, min(self._limit, most)) for each in arguments]
+        self._waiting.extend(tasks)
+        return map(self._answer, tasks)
+
+    def __exit__(self, *_: object) -> None:
+        for worker in (*self._idle, *self._busy):
+            worker.end()
+        self._folder.cleanup()
+
+    def _answer(self, task: _Task) -> Answer[Any]:
+        while task.answer is None and not self._over:
+            self._work()
+        failure = (
+            f"{NOT_MADE}: runs without a result took {self._budget:g} s, all that the FMU has "
+            "for them; --budget gives more"
+        )
+        return task.answer or Answer(failure=failure, late=True)
+
+    def _work(self) -> None:
+        """Have processes begin what is waiting, wait for one, and end those without time left."""
+        while self._waiting and len(self._busy) < self._jobs:
+            worker = self._idle.pop() if self._idle else self._start()
+            self._busy[worker] = task = self._waiting.popleft()
+            task.begun = time.monotonic()
+            worker.give(_answer, (task.function, *task.arguments))
+        # A loss grows as fast as time does, in each process at once.
+        left = [task.limit - task.seconds for task in self._busy.values()]
+        seconds = max(0.0, min(self._budget - self._lost_now(), *left))
+        wait([each for worker in self._busy for each in worker.handles], seconds)
+        for worker, task in list(self._busy.items()):
+            ends = True
+            if wait(worker.handles, 0.0):
+                try:
+                    task.answer, ends = worker.answer(), self._fresh
+                    if not isinstance(task.answer, Answer):
+                        raise LostError("gave no readable answer")
+                except LostError as lost:
+                    task.answer, ends = Answer(failure=f"the process {lost}"), True
+            elif task.seconds >= task.limit:
+                failure = f"no answer within {task.limit:g} s; the process was ended"
+                task.answer = Answer(failure=failure, late=True)
+            else:
+                continue
+            del self._busy[worker]
+            if task.answer.failure is not None:
+                self._lost += task.seconds
+            if ends:
+                worker.end()
+            else:
+                self._idle.append(worker)
+        self._over = self._lost_now() >= self._budget
+
+    def _lost_now(self) -> float:
+        """Return the time [s] spent on tasks that failed or are not answered yet."""
+        running = sum(task.seconds for task in self._busy.values())
+        return (self._lost + running) / max(1, len(self._busy) + len(self._idle))
 
 
-def serve() -> None:
-    """Call the function that comes on standard input, and write its answer to standard output."""
-    with os.fdopen(os.dup(1), "wb") as out:
-        discard_prints()
-        # Ends this process even if its parent was ended and the FMU never returns.
-        faulthandler.dump_traceback_later(float(sys.argv[1]), exit=True)
-        # As a host with a graphical interface does; Python itself leaves numbers in the locale C.
-        with contextlib.suppress(locale.Error):
-            locale.setlocale(locale.LC_ALL, "")
-        pickle.dump(answer_of(lambda: pickle.load(sys.stdin.buffer)()), out)
+_OPENED: list[Callable[[], FmuFile]] = []  # opens the FMU of a worker, once
+
+
+def _begin(folder: str, opened: Callable[[], FmuFile] | None) -> None:
+    tempfile.tempdir = folder
+    if opened is not None:
+        _OPENED.append(cache(opened))
+
+
+def _answer(task: Task, *arguments: Any) -> Answer[Any]:
+    return answer_of(lambda: task(*(opened() for opened in _OPENED), *arguments))
+
+
+def open_fmu(fmu: FmuFile) -> None:
+    """Do nothing with an FMU but open it."""

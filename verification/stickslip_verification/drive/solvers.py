@@ -7,12 +7,13 @@ method that adapts its steps and locates them. They are right and only so accura
 import math
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
+from functools import partial
 from itertools import product
 from typing import Any, Final
 
 import numpy as np
 
-from stickslip_verification.model.run import Run
+from stickslip_verification.model.verdict import Run
 from stickslip_verification.suite.cases import Case
 
 Method = Callable[
@@ -38,16 +39,12 @@ def _euler(a: Any, z: float, u: float, v: float, h: float) -> tuple[float, float
     return h * u, u + h * a(z, u)
 
 
-def _verlet(a: Any, z: float, u: float, v: float, h: float) -> tuple[float, float]:
+def _verlet(
+    a: Any, z: float, u: float, v: float, h: float, late: bool = False
+) -> tuple[float, float]:
     before = a(z, u)
     way = h * u + 0.5 * h * h * before
-    return way, u + 0.5 * h * (before + a(z + v * h - way, u + h * before))
-
-
-def _verlet_damped_late(a: Any, z: float, u: float, v: float, h: float) -> tuple[float, float]:
-    before = a(z, u)
-    way = h * u + 0.5 * h * h * before
-    return way, u + 0.5 * h * (before + a(z + v * h - way, u))
+    return way, u + 0.5 * h * (before + a(z + v * h - way, u if late else u + h * before))
 
 
 def _implicit_euler(a: Any, z: float, u: float, v: float, h: float) -> tuple[float, float]:
@@ -119,7 +116,7 @@ _METHODS: Final[Mapping[str, Method]] = {
     "Verlet": _verlet,
     "Heun": _heun,
     "Runge-Kutta": _runge_kutta,
-    "Verlet, damping late": _verlet_damped_late,
+    "Verlet, damping late": partial(_verlet, late=True),
     "implicit Euler": _implicit_euler,
 }
 

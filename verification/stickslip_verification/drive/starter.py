@@ -22,8 +22,8 @@ from typing import Final
 import numpy as np
 from scipy.optimize import linear_sum_assignment
 
-from stickslip_verification.drive import workers
-from stickslip_verification.drive.fmu.description import (
+from stickslip_verification.drive import processes
+from stickslip_verification.drive.description import (
     INPUT_UNITS,
     NOT_THERE,
     UNITS,
@@ -37,11 +37,12 @@ from stickslip_verification.drive.fmu.description import (
     looks_like,
     shown,
 )
-from stickslip_verification.drive.fmu.instance import FLOATING, REQUIRED
-from stickslip_verification.drive.masters import CommunicationStep, Setting
+from stickslip_verification.drive.exact import kept, run_reference
+from stickslip_verification.drive.instance import FLOATING, REQUIRED, FmuFile
+from stickslip_verification.drive.masters import CommunicationStep, Master, Setting
 from stickslip_verification.model.quantities import QUANTITIES
-from stickslip_verification.model.run import Run, Series
 from stickslip_verification.model.units import Unit
+from stickslip_verification.model.verdict import Run, Series
 from stickslip_verification.suite.cases import Case
 from stickslip_verification.truth.parameters import PARAMETERS, Kind
 
@@ -175,8 +176,8 @@ def _tried(fmu: Path, scores: Mapping[Variable, float]) -> dict[Variable, int]:
     }
     best, without = _assigned(likely)
     nothing = NameMap(dict.fromkeys(UNITS, Target(NOT_THERE)))
-    limits = workers.Limits(budget=20.0)
-    with workers.Pool(workers.jobs_here(), fmu=fmu, names=nothing, limits=limits) as pool:
+    limits = processes.Limits(budget=20.0)
+    with processes.Pool(processes.jobs_here(), fmu=fmu, names=nothing, limits=limits) as pool:
         return _Trial(pool, list(scores)).findings([best, *without.values()])
 
 
@@ -299,8 +300,22 @@ def _plain(text: str) -> str:
     return "".join(letter if letter.isprintable() else " " for letter in text)
 
 
+def _run(
+    fmu: FmuFile, setting: Setting, variables: Mapping[str, Variable], names: Sequence[str]
+) -> Run:
+    """Run an FMU through a setting, by `variables` under any names."""
+    fmu.variables = variables
+    master = Master(fmu, setting)
+    master.names = names
+    return master.run()
+
+
+def _reference(_: FmuFile, case: Case) -> Run:
+    return kept(run_reference, case)
+
+
 class _Trial:
-    def __init__(self, pool: workers.Pool, fitting: Sequence[Variable]) -> None:
+    def __init__(self, pool: processes.Pool, fitting: Sequence[Variable]) -> None:
         self.pool = pool
         self.variables = {f"{each.name} = {each.their_name}": each for each in fitting}
         self.motions: dict[tuple[tuple[str, float], ...], Run | None] = {}
@@ -347,14 +362,14 @@ class _Trial:
             last = {v.their_name: f"{v.name} = {v.their_name}" for v in each}
             settings = {key: each[self.variables[key]] for key in last.values()}
             asked.append((Setting(settings, _STEPS), self.variables, names))
-        return [answer.value for answer in self.pool.each(workers.trial_run, asked)]
+        return [answer.value for answer in self.pool.each(_run, asked)]
 
     def _gaps(self, run: Run | None, values: Mapping[str, float]) -> Gaps:
         """Return the gaps of a run to the reference with these values; none without a run."""
         key = tuple(sorted(values.items()))
         if key not in self.motions:
             case = Case("trial", "", "", values, _STEPS, (), Path())
-            self.motions[key] = next(self.pool.each(workers.reference, [(case,)])).value
+            self.motions[key] = next(self.pool.each(_reference, [(case,)])).value
         motion = self.motions[key]
         if run is None or motion is None:
             return {}

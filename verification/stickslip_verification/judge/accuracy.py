@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from stickslip_verification.drive.exact import OFF, Exact, shifted
 from stickslip_verification.drive.solvers import LATE
 from stickslip_verification.model.quantities import OUTPUTS, QUANTITIES
-from stickslip_verification.model.run import Run, Series, Transition
+from stickslip_verification.model.verdict import Run, Series, Transition
 from stickslip_verification.suite.cases import Case
 from stickslip_verification.truth import COULOMB_NAME
 

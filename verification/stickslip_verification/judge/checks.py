@@ -12,13 +12,12 @@ import numpy as np
 
 from stickslip_verification.drive.exact import Exact, halves
 from stickslip_verification.drive.exact import slope as slope_of
-from stickslip_verification.drive.fmu.instance import FmuFile
+from stickslip_verification.drive.instance import FmuFile
 from stickslip_verification.drive.processes import Answer
 from stickslip_verification.judge.accuracy import Band
 from stickslip_verification.judge.course import CheckError, Course, LackingError, Residual
 from stickslip_verification.judge.metrics import METRICS
 from stickslip_verification.model.quantities import FORMULAS, OUTPUT_NAMES, QUANTITIES
-from stickslip_verification.model.run import Run, Series
 from stickslip_verification.model.verdict import (
     CheckResult,
     ChosenContract,
@@ -26,6 +25,8 @@ from stickslip_verification.model.verdict import (
     Klass,
     Measure,
     ObservedOrder,
+    Run,
+    Series,
     margin,
 )
 from stickslip_verification.suite.cases import At, Case, Check

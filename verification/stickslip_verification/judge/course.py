@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip_verification.model.quantities import QUANTITIES
-from stickslip_verification.model.run import Run, Series
+from stickslip_verification.model.verdict import Run, Series
 from stickslip_verification.suite.cases import Case
 from stickslip_verification.truth import friction_law
 
@@ -231,52 +231,33 @@ class Course:
         return np.asarray(8.0 * np.spacing(np.abs(self.record.times)))
 
     @cached_property
-    def force_scale(self) -> float:
-        """Largest of the forces in play [N]: what their differences are rounded to."""
-        spring = self.settings["k"] * self.exact.outputs["z"]
-        return _largest(spring, self.settings["F_ext"], self.exact.outputs["F_s"])
+    def scale(self) -> Mapping[str, float]:
+        """Largest magnitude in play by unit: what differences are rounded to.
 
-    @cached_property
-    def speed_scale(self) -> float:
-        """Largest speed in play [m/s]."""
-        return _largest(self.exact.outputs["x_dot"], self.settings["v"])
-
-    @cached_property
-    def energy_scale(self) -> float:
-        """Largest energy in play [J]."""
+        In a slip a speed amounts to a length in a radian, and an extension to a speed: "slip m" and
+        "slip m/s".
+        """
         exact, s = self.exact.outputs, self.settings
+        w = np.sqrt(s["k"] / s["m"])
+        length = _largest(*(exact[name] for name in ("x", "x_pull", "z")))
+        speed = _largest(exact["x_dot"], s["v"])
         stored = 0.5 * s["k"] * exact["z"] ** 2 + 0.5 * s["m"] * exact["x_dot"] ** 2
-        pushed = _largest(s["F_ext"]) * exact["x"]
-        return _largest(stored, pushed, *(exact[name] for name in ("W_pull", "W_k", "Q_friction")))
-
-    @cached_property
-    def length_scale(self) -> float:
-        """Largest length in play [m]."""
-        return _largest(*(self.exact.outputs[name] for name in ("x", "x_pull", "z")))
-
-    @cached_property
-    def swing_length(self) -> float:
-        """Largest length in play in a slip [m]: what a speed amounts to in a radian too."""
-        slowest = float(np.sqrt(np.min(self.settings["k"] / self.settings["m"])))
-        return max(self.length_scale, self.speed_scale / slowest)
-
-    @cached_property
-    def swing_speed(self) -> float:
-        """Largest speed in play in a slip [m/s]: what an extension amounts to in a radian too."""
-        fastest = float(np.sqrt(np.max(self.settings["k"] / self.settings["m"])))
-        return max(self.speed_scale, fastest * _largest(self.exact.outputs["z"]))
+        works = (exact[name] for name in ("W_pull", "W_k", "Q_friction"))
+        return {
+            "m": length,
+            "m/s": speed,
+            "N": _largest(s["k"] * exact["z"], s["F_ext"], exact["F_s"]),
+            "J": _largest(stored, _largest(s["F_ext"]) * exact["x"], *works),
+            "slip m": max(length, speed / float(np.min(w))),
+            "slip m/s": max(speed, float(np.max(w)) * _largest(exact["z"])),
+        }
 
     def scale_of(self, output: str) -> float:
         """Return the largest in play of the kind of an output: what it is measured against."""
-        kinds = {
-            "m": self.swing_length,
-            "m/s": self.swing_speed,
-            "N": self.force_scale,
-            "J": self.energy_scale,
-            "s": self.case.stop_time,
-        }
-        largest = _largest(self.exact.outputs[output]) or 1.0
-        return kinds.get(QUANTITIES[output].unit, largest)
+        unit = QUANTITIES[output].unit
+        own = _largest(self.exact.outputs[output]) or 1.0
+        scales = {**self.scale, "s": self.case.stop_time}
+        return scales.get(f"slip {unit}", scales.get(unit, own))
 
 
 def _largest(*series: Series) -> float:

@@ -16,7 +16,7 @@ from stickslip_verification.judge.course import (
     state,
 )
 from stickslip_verification.model.quantities import OUTPUT_NAMES
-from stickslip_verification.model.run import Series
+from stickslip_verification.model.verdict import Series
 
 _POLISHES = 4
 _PROBES = (*(0.5**n for n in range(30, 4, -1)), *(n / 16.0 for n in range(1, 17)))
@@ -29,8 +29,8 @@ def friction_as_stated(course: Course) -> Residual:
     s = course.settings
     stated = course.mode[1] * s["mu_k"] * course.normal_force + s["c"] * course.after("x_dot")
     left = course.after("F_friction") + stated
-    drag = float(np.max(np.abs(s["c"])) * course.speed_scale)
-    return Residual(left, course.mode[1] != 0.0, max(course.force_scale, drag), "N")
+    drag = float(np.max(np.abs(s["c"])) * course.scale["m/s"])
+    return Residual(left, course.mode[1] != 0.0, max(course.scale["N"], drag), "N")
 
 
 def never_past_rest(course: Course) -> Residual:
@@ -55,7 +55,7 @@ def never_past_rest(course: Course) -> Residual:
             stride = np.where(jerk == 0.0, 0.0, equations.acceleration(here) / jerk)
         at = np.clip(at - np.clip(stride, -at / 2.0, at / 2.0), 0.0, span)
         lowest = np.minimum(direction * equations.move(begin, at).x_dot, lowest)
-    return _spread(course, np.maximum(-lowest, 0.0), course.swing_speed, "m/s")
+    return _spread(course, np.maximum(-lowest, 0.0), course.scale["slip m/s"], "m/s")
 
 
 def _missed(course: Course, name: str) -> Wide:
@@ -78,14 +78,14 @@ def break_away_at_threshold(course: Course) -> Residual:
     inside = np.asarray(course.break_away & ~at_once)
     rate = course.settings["k"] * np.abs(course.settings["v"])
     left = _beyond(np.abs(force) - threshold, rate * course.dating)
-    return Residual(left, inside, course.force_scale, "N")
+    return Residual(left, inside, course.scale["N"], "N")
 
 
 def break_away_beyond_threshold(course: Course) -> Residual:
     """By how much the force falls short of F_s where a change let the mass go at once."""
     force, threshold, at_once = _at_break_away(course)
     short = np.maximum(threshold - np.abs(force), 0.0)
-    return Residual(short, np.asarray(course.break_away & at_once), course.force_scale, "N")
+    return Residual(short, np.asarray(course.break_away & at_once), course.scale["N"], "N")
 
 
 def break_away_along_force(course: Course) -> Residual:
@@ -94,7 +94,7 @@ def break_away_along_force(course: Course) -> Residual:
     against = np.maximum(-course.mode[1] * force, 0.0)
     slack = SLACK * (np.abs(force) + threshold)
     left = np.maximum(against - slack, 0.0)
-    return Residual(left, course.break_away, course.force_scale, "N")
+    return Residual(left, course.break_away, course.scale["N"], "N")
 
 
 def rest_at_re_stick(course: Course) -> Residual:
@@ -105,7 +105,7 @@ def rest_at_re_stick(course: Course) -> Residual:
     rate = np.abs(np.asarray(equations.acceleration(stopped), np.float64))
     values = np.zeros(course.h.size)
     values[chosen] = _beyond(np.asarray(stopped.x_dot, np.float64), rate * course.dating[chosen])
-    return Residual(values, chosen, course.swing_speed, "m/s")
+    return Residual(values, chosen, course.scale["slip m/s"], "m/s")
 
 
 def spring_joined(course: Course) -> Residual:
@@ -121,8 +121,8 @@ def spring_joined(course: Course) -> Residual:
     stopping = slips(course, ended, course.mode[0])
     stopped = stopping.move(state(course, ended), first[ended])
     values[ended] = z[ended] - (stopped.z + v[ended] * rest[ended])
-    left = _beyond(values, course.speed_scale * course.dating)
-    return Residual(left, np.asarray(began | ended), course.swing_length, "m")
+    left = _beyond(values, course.scale["m/s"] * course.dating)
+    return Residual(left, np.asarray(began | ended), course.scale["slip m"], "m")
 
 
 def _at_break_away(course: Course) -> tuple[Series, Series, Mask]:
@@ -148,7 +148,7 @@ def balance(course: Course) -> Residual:
     z, x_dot = (course.before(name)[0] for name in ("z", "x_dot"))
     at_start = 0.5 * before["k"] * z**2 + 0.5 * before["m"] * x_dot**2
     left = np.asarray(supplied - (stored - at_start), np.float64)
-    return course.residual(left, course.energy_scale, "J")
+    return course.residual(left, course.scale["J"], "J")
 
 
 def heat_of_dry_friction(course: Course) -> Residual:
@@ -157,7 +157,7 @@ def heat_of_dry_friction(course: Course) -> Residual:
     friction = np.where(course.mode[1] == 0.0, 0.0, s["mu_k"] * course.normal_force)
     left = course.change("Q_friction") - friction * np.abs(course.change("x"))
     undamped = s["c"] == 0.0
-    return Residual(left, np.asarray(course.eventless & undamped), course.energy_scale, "J")
+    return Residual(left, np.asarray(course.eventless & undamped), course.scale["J"], "J")
 
 
 def work_of_the_pull(course: Course) -> Residual:
@@ -173,10 +173,10 @@ def work_of_the_pull(course: Course) -> Residual:
         s["m"] * course.change("x_dot") + s["c"] * course.change("x") + (friction - s["F_ext"]) * h
     )
     work = v * np.where(course.mode[1] == 0.0, even, impulse)
-    momentum = course.speed_scale * np.max(np.abs(s["v"])) * np.max(s["m"])
-    drag = np.max(s["c"]) * course.length_scale * np.max(np.abs(s["v"]))
+    momentum = course.scale["m/s"] * np.max(np.abs(s["v"])) * np.max(s["m"])
+    drag = np.max(s["c"]) * course.scale["m"] * np.max(np.abs(s["v"]))
     left = course.change("W_pull") - work
-    return Residual(left, course.eventless, course.energy_scale + float(momentum + drag), "J")
+    return Residual(left, course.eventless, course.scale["J"] + float(momentum + drag), "J")
 
 
 _STEADY = 1e-12
@@ -212,7 +212,7 @@ def break_away_force(course: Course) -> Residual:
     threshold, rate = course.static_friction(course.age)
     left = course.after("F_s") - threshold
     left = np.sign(left) * np.maximum(np.abs(left) - rate * course.dating, 0.0)
-    return course.residual(left, course.force_scale, "N")
+    return course.residual(left, course.scale["N"], "N")
 
 
 def columns(course: Course) -> Residual:
@@ -246,41 +246,41 @@ def _within_break_away(c: Course) -> Residual:
     threshold, rate = c.static_friction(c.age)
     slack = SLACK * (np.abs(spring) + np.abs(push) + threshold) + rate * c.dating
     excess = np.maximum(np.abs(spring + push) - threshold - slack, 0.0)
-    return Residual(excess, c.rests, c.force_scale, "N")
+    return Residual(excess, c.rests, c.scale["N"], "N")
 
 
 DIRECT: Final[dict[str, Metric]] = {
-    "stick.position_held": lambda c: c.residual(c.change("x"), c.length_scale, "m", c.stick),
-    "stick.at_rest": lambda c: c.residual(c.after("x_dot"), c.speed_scale, "m/s", c.rests),
+    "stick.position_held": lambda c: c.residual(c.change("x"), c.scale["m"], "m", c.stick),
+    "stick.at_rest": lambda c: c.residual(c.after("x_dot"), c.scale["m/s"], "m/s", c.rests),
     "stick.friction_balances": lambda c: c.residual(
         c.after("F_friction") + (c.settings["k"] * c.after("z") + c.settings["F_ext"]),
-        c.force_scale,
+        c.scale["N"],
         "N",
         c.rests,
     ),
     "stick.within_break_away": _within_break_away,
-    "slip.extension_follows": lambda c: _spread(c, _missed(c, "z"), c.swing_length, "m"),
-    "slip.velocity_follows": lambda c: _spread(c, _missed(c, "x_dot"), c.swing_speed, "m/s"),
+    "slip.extension_follows": lambda c: _spread(c, _missed(c, "z"), c.scale["slip m"], "m"),
+    "slip.velocity_follows": lambda c: _spread(c, _missed(c, "x_dot"), c.scale["slip m/s"], "m/s"),
     "slip.friction_against_motion": lambda c: c.residual(
         np.maximum(c.after("F_friction") * np.sign(c.after("x_dot")), 0.0),
-        c.force_scale,
+        c.scale["N"],
         "N",
         ~c.rests,
     ),
     "slip.direction_is_mode": lambda c: c.residual(
-        np.maximum(-c.mode[1] * c.after("x_dot"), 0.0), c.speed_scale, "m/s", ~c.rests
+        np.maximum(-c.mode[1] * c.after("x_dot"), 0.0), c.scale["m/s"], "m/s", ~c.rests
     ),
     "energy.heat_never_falls": lambda c: c.residual(
-        np.maximum(-c.change("Q_friction"), 0.0), c.energy_scale, "J"
+        np.maximum(-c.change("Q_friction"), 0.0), c.scale["J"], "J"
     ),
     "outputs.spring_force": lambda c: c.residual(
-        c.after("F") - c.settings["k"] * c.after("z"), c.force_scale, "N"
+        c.after("F") - c.settings["k"] * c.after("z"), c.scale["N"], "N"
     ),
     "outputs.extension": lambda c: c.residual(
-        c.after("z") - (c.after("x_pull") - c.after("x")), c.length_scale, "m"
+        c.after("z") - (c.after("x_pull") - c.after("x")), c.scale["m"], "m"
     ),
     "outputs.pulled_end": lambda c: c.residual(
-        c.change("x_pull") - c.settings["v"] * c.h, c.length_scale, "m"
+        c.change("x_pull") - c.settings["v"] * c.h, c.scale["m"], "m"
     ),
     "outputs.frequency": lambda c: c.residual(
         c.after("f") * c.after("T") - (c.after("T") > 0.0), 1.0, "1"

@@ -17,7 +17,7 @@ import numpy as np
 from mpmath import mp, mpf
 
 from stickslip_verification import truth
-from stickslip_verification.model.run import Series
+from stickslip_verification.model.verdict import Series
 
 DIGITS = 50  # working precision of every formula; far beyond what a double can tell apart
 

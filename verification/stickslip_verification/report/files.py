@@ -14,7 +14,6 @@ from pydantic_core import to_jsonable_python
 
 from stickslip_verification.model.data_file import write_whole
 from stickslip_verification.model.verdict import (
-    LIKELIEST,
     SEQUENCE,
     CheckResult,
     Kind,
@@ -33,19 +32,6 @@ KINDS: Final[dict[str, str]] = {
     Kind.CONVERGENCE: "convergence",
     Kind.CROSS_CODE: "cross-code",
 }
-
-WORTH: Final[dict[str, str]] = {
-    Kind.CLOSED_FORM: "Code verification against the exact solution of the equations, by a formula "
-    "or in high precision. Its code is independent of FMU and reference. The strongest kind.",
-    Kind.INVARIANT: "Code verification against what every exact motion satisfies, such as the "
-    "energy balance or the mirror. It needs no solution, so it also judges motions without a "
-    "formula.",
-    Kind.CONVERGENCE: "Solution verification: the numerical error must fall with the tolerance or "
-    "the step at the order that the method promises.",
-    Kind.CROSS_CODE: "Two programs compared with each other. The weaker kind: both may be wrong "
-    "alike, so it alone gives no pass.",
-}
-"""What each kind of truth is worth; in the terms of ASME V&V 10."""
 
 SIDES: Final = {"fmu": "FMU", "reference": "reference", "both": "both"}
 
@@ -84,20 +70,6 @@ def sentence(verdict: Verdict) -> str:
     near = f"Within {error_text(largest)} of" if largest else "Equal to the last bit to"
     where = _of_all(verdict, {result.case for result in compared}, short=True)
     return f"{near} the exact motion in {where}."
-
-
-def reasons(verdict: Verdict) -> list[str]:
-    """Say why a verdict fails apart from its failed checks."""
-    said = [each.answer for each in verdict.questions[1:] if each.asked != LIKELIEST]
-    if verdict.passed:
-        return said
-    if not verdict.checks:
-        said.append("Nothing was compared, so nothing is verified.")
-    elif not verdict.proven:
-        said.append("No comparison of the FMU with a closed form or an invariant passed.")
-    if verdict.kills is not None and not verdict.kills.passed:
-        said.append("A planted fault survived, or an idle check has no reason to stay.")
-    return said
 
 
 def with_exact_motion(verdict: Verdict) -> list[CheckResult]:
@@ -170,7 +142,7 @@ def environment(folder: Path = _TEMPLATES) -> Environment:
         "slope": lambda slope: f"{slope:.2f}".replace("-", "\N{MINUS SIGN}"),
     }
     made.tests["finite"] = math.isfinite
-    made.globals |= {"kinds": KINDS, "worth": WORTH, "sides": SIDES}
+    made.globals |= {"kinds": KINDS, "sides": SIDES}
     return made
 
 

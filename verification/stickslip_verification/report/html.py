@@ -18,17 +18,7 @@ from stickslip_verification.model.verdict import (
     Outcome,
     Verdict,
 )
-from stickslip_verification.report import plots
-from stickslip_verification.report.files import (
-    as_junit,
-    environment,
-    json_text,
-    reasons,
-    sentence,
-    text_of,
-    used,
-    with_exact_motion,
-)
+from stickslip_verification.report import files, plots
 from stickslip_verification.suite.cases import Meaning
 
 NO_MEANINGS: Mapping[str, Meaning] = MappingProxyType({})
@@ -82,12 +72,12 @@ def render(
     """
     failures = failed_checks(verdict, (Outcome.FAIL,))
     pictures = plots.draw_cases(verdict)
-    return environment().get_template("index.html.j2").render(
+    return files.environment().get_template("index.html.j2").render(
         verdict=verdict,
-        sentence=sentence(verdict),
-        reasons=reasons(verdict),
+        sentence=files.sentence(verdict),
+        asked_last=LIKELIEST,
         likeliest=_likeliest(verdict, failures, meanings),
-        farthest=max(with_exact_motion(verdict), key=lambda r: r.error or 0.0, default=None),
+        farthest=max(files.with_exact_motion(verdict), key=lambda r: r.error or 0.0, default=None),
         meanings=meanings,
         failures=failures,
         noted=failed_checks(verdict, (Outcome.NOTED,)),
@@ -101,8 +91,8 @@ def render(
         groups=_groups(verdict),
         nearest=_nearest(verdict),
         full=full,
-        style=text_of("style.css"),
-        script=text_of("filter.js"),
+        style=files.text_of("style.css"),
+        script=files.text_of("filter.js"),
     )  # fmt: skip
 
 
@@ -118,8 +108,12 @@ def write_report(
     Everything is made before the first file is touched. The arguments are those of `render`.
     """
     page = render(verdict, meanings=meanings, full=full)
-    files = {"report.json": json_text(verdict), "junit.xml": as_junit(verdict), "index.html": page}
-    write_all({folder / name: text for name, text in files.items()})
+    written = {
+        "report.json": files.json_text(verdict),
+        "junit.xml": files.as_junit(verdict),
+        "index.html": page,
+    }
+    write_all({folder / name: text for name, text in written.items()})
 
 
 def failed_checks(verdict: Verdict, outcomes: Collection[Outcome]) -> list[FailedCheck]:
@@ -138,7 +132,7 @@ def failed_checks(verdict: Verdict, outcomes: Collection[Outcome]) -> list[Faile
     failed = [
         FailedCheck(
             check,
-            sorted(results, key=lambda numbered: -used(numbered[1])),
+            sorted(results, key=lambda numbered: -files.used(numbered[1])),
             list(dict.fromkeys(result.case for _, result in results)),
         )
         for check, results in checks.items()
@@ -212,8 +206,8 @@ def _groups(verdict: Verdict) -> list[Group]:
 
 def _nearest(verdict: Verdict) -> list[Numbered]:
     passed = [(n, r) for n, r in enumerate(verdict.checks) if r.verdict == Outcome.PASS]
-    most = sorted(passed, key=lambda numbered: -used(numbered[1]))[:NEAREST]
-    return [(number, result) for number, result in most if used(result) > 0.0]
+    most = sorted(passed, key=lambda numbered: -files.used(numbered[1]))[:NEAREST]
+    return [(number, result) for number, result in most if files.used(result) > 0.0]
 
 
 SHOWN = "default"
@@ -233,12 +227,12 @@ def packed_report(verdict: Verdict) -> str:
         drawn = result.case.startswith(SEQUENCE)
         name = "random sequences" if drawn else result.case or "the FMU itself"
         cases.setdefault(name, []).append(result)
-    return environment().get_template("packed.html.j2").render(
+    return files.environment().get_template("packed.html.j2").render(
         verdict=verdict,
         name=_NAMES[verdict.provenance["fmu"]["fmi_version"]],
-        sentence=sentence(verdict),
+        sentence=files.sentence(verdict),
         cases={name: results for name, results in cases.items() if results},
         titles={motion.case: motion.title for motion in verdict.motions},
         shown=[(n, r) for n, r in enumerate(cases[SHOWN]) if r.side == "fmu"],
-        style=text_of("style.css"),
+        style=files.text_of("style.css"),
     )  # fmt: skip

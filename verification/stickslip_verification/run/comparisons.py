@@ -13,8 +13,8 @@ from typing import Final
 
 import numpy as np
 
+from stickslip_verification.drive.description import FmuError
 from stickslip_verification.drive.exact import Exact
-from stickslip_verification.drive.fmu.description import FmuError
 from stickslip_verification.drive.processes import Answer
 from stickslip_verification.drive.solvers import SOLVERS, Solver
 from stickslip_verification.judge import accuracy, checks
@@ -27,8 +27,7 @@ from stickslip_verification.judge.checks import (
     without,
 )
 from stickslip_verification.model.quantities import OUTPUT_NAMES
-from stickslip_verification.model.run import Run
-from stickslip_verification.model.verdict import CheckResult
+from stickslip_verification.model.verdict import CheckResult, Run
 from stickslip_verification.run.experiment import Baseline, Runs
 from stickslip_verification.suite.cases import Case, load_family
 from stickslip_verification.suite.sequences import PLAIN

@@ -9,12 +9,13 @@ from dataclasses import dataclass, replace
 from itertools import product
 from typing import Any
 
-from stickslip_verification.drive import workers
-from stickslip_verification.drive.exact import Exact
-from stickslip_verification.drive.processes import Answer
+from stickslip_verification.drive import exact as motions
+from stickslip_verification.drive.environments import asked
+from stickslip_verification.drive.masters import run_case
+from stickslip_verification.drive.other_runs import other_run
+from stickslip_verification.drive.processes import PROBE_LIMIT, Answer, Pool
 from stickslip_verification.judge.checks import Contract, applies
-from stickslip_verification.model.run import Run, Series
-from stickslip_verification.model.verdict import Klass, ObservedOrder
+from stickslip_verification.model.verdict import Klass, ObservedOrder, Run, Series
 from stickslip_verification.suite.cases import Case
 from stickslip_verification.suite.invariants import (
     Invariants,
@@ -48,7 +49,7 @@ class Baseline:
     """
 
     case: Case
-    exact: Answer[Exact]
+    exact: Answer[motions.Exact]
     reference: Answer[Run] = _NO_REFERENCE
     invariants: Sequence[ResidualInvariant] = ()
     orders: Sequence[tuple[Order, Answer[ObservedOrder]]] = ()
@@ -103,30 +104,31 @@ def compute(
     by_length = sorted(cases, key=lambda case: case.stop_time, reverse=True)
     near = [case for case in by_length if case.id in (numerical or ())]
     tasks: dict[str, tuple[Callable[..., Any], list[Case]]] = {
-        "exact": (workers.exact, by_length),
-        "spreads": (workers.spreads, near),
-        "changes": (workers.changes, near if invariants is not None else []),
-        "reference": (workers.reference, by_length if numerical is None else []),
+        "exact": (motions.exact_motion, by_length),
+        "spreads": (motions.spreads, near),
+        "changes": (motions.changes, near if invariants is not None else []),
+        "reference": (motions.run_reference, by_length if numerical is None else []),
     }
     ordered = [
-        (case, order)
+        (motions.observe, case, order)
         for case in by_length
         for order in (invariants.orders if invariants is not None else ())
         if numerical is None and case.id in order.cases and order.holds_for(case.law)
     ]
     baselines: dict[str, Baseline] = {}
-    with workers.Pool(jobs, TIME_LIMIT) as pool:
+    with Pool(jobs, TIME_LIMIT) as pool:
         answers = {
-            name: pool.each(task, [(case,) for case in of]) for name, (task, of) in tasks.items()
+            name: pool.each(motions.kept, [(task, case) for case in of])
+            for name, (task, of) in tasks.items()
         }
-        orders = pool.each(workers.observed_order, ordered)
+        orders = pool.each(motions.kept, ordered)
         for done, case in enumerate(by_length):
             progress(f"exact and reference: {case.id}", done, len(cases))
             known: dict[str, Any] = {
                 name: next(answers[name]) for name, (_, of) in tasks.items() if case in of
             }
             known["invariants"] = _about(case, known["exact"].value, invariants)
-            known["orders"] = [(order, next(orders)) for of, order in ordered if of is case]
+            known["orders"] = [(order, next(orders)) for _, of, order in ordered if of is case]
             baselines[case.id] = Baseline(case, **known)
     return [baselines[case.id] for case in cases]
 
@@ -140,7 +142,9 @@ def random_tests(
     return [RandomTest(known[case.id], manner) for case, manner in tried(cases, manners)]
 
 
-def _about(case: Case, exact: Exact | None, of: Invariants | None) -> list[ResidualInvariant]:
+def _about(
+    case: Case, exact: motions.Exact | None, of: Invariants | None
+) -> list[ResidualInvariant]:
     return [
         residual
         for residual in (of.residuals if of is not None else ())
@@ -172,7 +176,7 @@ class Runs:
 
 
 def run_all(
-    pool: workers.Pool,
+    pool: Pool,
     experiment: Experiment,
     progress: Progress = silent,
     enough: Callable[[Mapping[str, Answer[Run]]], bool] | None = None,
@@ -184,18 +188,18 @@ def run_all(
     cases = [each.case for each in experiment.baseline]
     kinds = list(dict.fromkeys(invariant.run for invariant in experiment.runs))
     in_other_ways = list(product(cases, kinds))
-    answers = pool.each(workers.plain_run, [(case,) for case in cases])
+    answers = pool.each(run_case, [(case,) for case in cases])
     plain: dict[str, Answer[Run]] = {}
     for done, case in enumerate(cases):
         progress(f"FMU: {case.id}", done, len(cases))
         plain[case.id] = next(answers)
     ends = enough is not None and enough(plain)
     random = {n: each for n, each in enumerate(experiment.random) if each.plain or not ends}
-    asked = [] if ends else [(invariant,) for invariant in experiment.invariants.probes]
-    runs = pool.each(workers.other_run, [] if ends else in_other_ways)
-    probes = pool.each(workers.probe, asked, most=workers.PROBE_LIMIT)
+    questions = [] if ends else [(invariant,) for invariant in experiment.invariants.probes]
+    runs = pool.each(other_run, [] if ends else in_other_ways)
+    probes = pool.each(asked, questions, most=PROBE_LIMIT)
     drawn = [(each.baseline.case, each.manner.manner) for each in random.values()]
-    in_manners = pool.each(workers.in_manner, drawn)
+    in_manners = pool.each(run_case, drawn)
     others: dict[tuple[str, str], Answer[Run]] = {}
     for done, (case, kind) in enumerate(in_other_ways):
         progress(f"FMU in other runs: {case.id}", done // len(kinds), len(cases))
@@ -206,14 +210,14 @@ def run_all(
     return Runs(experiment, plain, others, complaints, ran)
 
 
-def repeat_failed(pool: workers.Pool, runs: Runs) -> Runs:
+def repeat_failed(pool: Pool, runs: Runs) -> Runs:
     """Repeat a few runs that had no end, one by one: the second result decides."""
     plain, random = dict(runs.plain), list(runs.random)
     failed = [b.case for b in runs.experiment.baseline if plain[b.case.id].failure is not None]
     for case in failed[:MOST_REPEATED]:
-        (plain[case.id],) = pool.each(workers.plain_run, [(case,)])
+        (plain[case.id],) = pool.each(run_case, [(case,)])
     broken = [n for n, answer in enumerate(random) if answer.failure is not None]
     for n in broken[:MOST_REPEATED]:
         test = runs.experiment.random[n]
-        (random[n],) = pool.each(workers.in_manner, [(test.baseline.case, test.manner.manner)])
+        (random[n],) = pool.each(run_case, [(test.baseline.case, test.manner.manner)])
     return replace(runs, plain=plain, random=random)

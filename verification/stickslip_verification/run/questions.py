@@ -15,16 +15,17 @@ from typing import Final
 
 import numpy as np
 
+from stickslip_verification.drive.processes import NOT_MADE
 from stickslip_verification.drive.solvers import SHARES, SOLVERS, Acceleration, Slider, Solver
-from stickslip_verification.drive.workers import NOT_MADE
 from stickslip_verification.judge import accuracy
-from stickslip_verification.model.run import Run, Series
 from stickslip_verification.model.verdict import (
     LIKELIEST,
     SEQUENCE,
     CheckResult,
     Kind,
     Question,
+    Run,
+    Series,
     Table,
 )
 from stickslip_verification.run.comparisons import (

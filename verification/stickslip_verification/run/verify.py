@@ -20,19 +20,13 @@ from importlib import metadata
 from pathlib import Path
 from typing import Any
 
-from stickslip_verification.drive import workers
+from stickslip_verification.drive import processes
+from stickslip_verification.drive.description import FmuError, NameMap, content_digest
+from stickslip_verification.drive.environments import LONG_PROBES, OF_NUMERICAL
 from stickslip_verification.drive.exact import Exact
-from stickslip_verification.drive.fmu.description import FmuError, NameMap, content_digest
-from stickslip_verification.drive.fmu.instance import FmuFile, require
+from stickslip_verification.drive.instance import FmuFile, require
 from stickslip_verification.drive.masters import can_run, fitting, law_of, may_change, require_law
-from stickslip_verification.drive.probes.environments import LONG_PROBES, OF_NUMERICAL
-from stickslip_verification.judge.checks import (
-    CONTRACTS,
-    Contract,
-    Wanted,
-    chosen_contract,
-    of_invariant,
-)
+from stickslip_verification.judge import checks
 from stickslip_verification.model.verdict import (
     CheckResult,
     Detection,
@@ -56,6 +50,7 @@ from stickslip_verification.run.experiment import (
     silent,
 )
 from stickslip_verification.run.questions import questions
+from stickslip_verification.suite import sequences as drawing
 from stickslip_verification.suite.cases import Case, long_cases
 from stickslip_verification.suite.faults import (
     FAULTS_FOLDER,
@@ -65,17 +60,6 @@ from stickslip_verification.suite.faults import (
     plant,
 )
 from stickslip_verification.suite.invariants import Invariants, Manner, load_invariants
-from stickslip_verification.suite.sequences import (
-    COUNT,
-    SEED,
-    RandomSequence,
-    Scope,
-    coverage_table,
-    draw_sequences,
-    empty_cells,
-    under_law,
-    with_dwell,
-)
 from stickslip_verification.truth import COULOMB, COULOMB_NAME
 from stickslip_verification.truth.parameters import CHANGEABLE, START_VALUES
 
@@ -101,7 +85,7 @@ def detect(
     another reason fails the check of that alone, since nothing was compared. Cases of more than
     `LONGEST` are left out; `MutantError` if no case is short enough. `jobs` mutants are tried at
     once, each in a process of its own; `progress` counts them. ``opened`` are further arguments of
-    `workers.Pool`.
+    `processes.Pool`.
 
     Each mutant is tried on every check where the matrix is to be `whole`; else on what its
     description foretells, part by part up to the first such check that fails, and on everything
@@ -116,7 +100,7 @@ def detect(
     rows: list[Detection] = []
     with (
         tempfile.TemporaryDirectory(prefix="stickslip-mutants-") as folder,
-        ThreadPoolExecutor(workers.allowed(jobs)) as threads,
+        ThreadPoolExecutor(processes.allowed(jobs)) as threads,
     ):
         fixed = (fmu, experiment, Path(folder), opened, whole)
         for row in threads.map(partial(_try, *fixed), mutants):
@@ -144,7 +128,7 @@ def _try(
         # A numerical solution is judged over all cases, by what no fault names in advance.
         parts = [] if whole or contract.numerical else _foretold(mutant, experiment)
         how = {"hooks": mutant.hooks, "own_starts": contract.interface, **opened}
-        with workers.Pool(1, TIME_LIMIT, plant(fmu, mutant, folder), **how) as pool:
+        with processes.Pool(1, TIME_LIMIT, plant(fmu, mutant, folder), **how) as pool:
             for part in (*parts, experiment):
                 runs = run_all(pool, part)
                 # What fails for the time it took does not count.
@@ -210,14 +194,17 @@ def _columns(experiment: Experiment) -> list[str]:
 
 
 def gaps(
-    sequences: Sequence[RandomSequence], scope: Scope, contract: Contract, manners: Sequence[Manner]
+    sequences: Sequence[drawing.RandomSequence],
+    scope: drawing.Scope,
+    contract: checks.Contract,
+    manners: Sequence[Manner],
 ) -> Iterator[CheckResult]:
     """Yield a failure of the suite where sequences that should fill the table leave cells empty."""
-    empty = empty_cells(sequences, scope)
-    if len(sequences) >= COUNT and empty and manners:
+    empty = drawing.empty_cells(sequences, scope)
+    if len(sequences) >= drawing.COUNT and empty and manners:
         cells = "; ".join(", ".join(cell) for cell in empty)
         failure = f"the suite itself: its random sequences have no {cells}"
-        yield of_invariant(manners[0], "", contract, failure=failure)
+        yield checks.of_invariant(manners[0], "", contract, failure=failure)
 
 
 WITHIN = 1e-6  # what a numerical solution has to be within where nothing else is asked for
@@ -236,14 +223,14 @@ def verify(
     progress: Progress = silent,
     *,
     names: NameMap | None = None,
-    contract: Wanted | None = None,
+    contract: checks.Wanted | None = None,
     strict: bool = False,
     jobs: int | None = None,
-    time_limit: float = workers.TIME_LIMIT,
+    time_limit: float = processes.TIME_LIMIT,
     sequences: int = 0,
-    seed: int = SEED,
+    seed: int = drawing.SEED,
     long_probes: bool = True,
-    limits: workers.Limits = workers.USUAL,
+    limits: processes.Limits = processes.USUAL,
     mutants: Sequence[Mutant] = (),
     whole_matrix: bool = True,
     within: float | None = None,
@@ -281,16 +268,16 @@ def verify(
             require_law(file, case)
         law = law_of(file)
         mutants = _plantable(fmu, mutants, law)
-        chosen = chosen_contract(file, contract, strict=strict)
+        chosen = checks.chosen_contract(file, contract, strict=strict)
         file.look_for(COULOMB.parameters, optional=True)
         grows = all(file.has(each.name) for each in COULOMB.parameters)
         origin = provenance(file, command)
         applying = frozenset(case.id for case in cases if can_run(file, case))
-        scope = Scope(
+        scope = drawing.Scope(
             frozenset(name for name in START_VALUES if file.has(name)),
             frozenset(name for name in CHANGEABLE if file.has(name) and may_change(file, name)),
         )
-    held_to = CONTRACTS[chosen.name]
+    held_to = checks.CONTRACTS[chosen.name]
     if held_to.numerical:
         cases = [case for case in cases if _of_any(case)] or cases
         if not full:
@@ -307,15 +294,15 @@ def verify(
         foretold = {check for mutant in mutants for check in mutant.detected_by}
         tried = _without(invariants, LONG_PROBES)
         of_faults = _without(invariants, LONG_PROBES, but=foretold)
-    jobs = workers.jobs_here() if jobs is None else jobs
+    jobs = processes.jobs_here() if jobs is None else jobs
     apply_to = applying if held_to.numerical else None
     baseline = compute(cases, invariants, jobs, progress, numerical=apply_to)
-    drawn = draw_sequences(seed, sequences if invariants.sequences else 0, scope)
+    drawn = drawing.draw_sequences(seed, sequences if invariants.sequences else 0, scope)
     of_sequences = [each.case for each in drawn]
     if law != COULOMB_NAME:
-        of_sequences, drawn = under_law(of_sequences, law, seed), []
+        of_sequences, drawn = drawing.under_law(of_sequences, law, seed), []
     elif grows:
-        of_sequences += with_dwell(of_sequences, seed)
+        of_sequences += drawing.with_dwell(of_sequences, seed)
     if held_to.numerical:
         of_sequences = [_from_the_start(case) for case in of_sequences]
     random = random_tests(of_sequences, invariants.sequences, jobs, numerical=held_to.numerical)
@@ -323,16 +310,16 @@ def verify(
     fresh = file.once_per_process
     how: dict[str, Any] = {"names": names, "limits": limits}
 
-    def pool(jobs: int, *, fresh: bool) -> workers.Pool:
+    def pool(jobs: int, *, fresh: bool) -> processes.Pool:
         own = held_to.interface
-        return workers.Pool(jobs, time_limit, fmu, fresh=fresh, own_starts=own, **how)
+        return processes.Pool(jobs, time_limit, fmu, fresh=fresh, own_starts=own, **how)
 
     quick = held_to.numerical and not full
     enough = (lambda plain: solution(baseline, plain).certain) if quick else None
-    with pool(jobs, fresh=fresh) as processes:
-        runs = run_all(processes, experiment, progress, enough)
-    with pool(1, fresh=True) as processes:
-        runs = repeat_failed(processes, runs)
+    with pool(jobs, fresh=fresh) as workers:
+        runs = run_all(workers, experiment, progress, enough)
+    with pool(1, fresh=True) as workers:
+        runs = repeat_failed(workers, runs)
     kills = None
     if mutants:
         experiment = replace(experiment, invariants=of_faults)
@@ -348,7 +335,7 @@ def verify(
     else:
         results = list(compare(runs))
     results += gaps(drawn, scope, held_to, invariants.sequences)
-    tables += [coverage_table(drawn, seed, scope)] if drawn else []
+    tables += [drawing.coverage_table(drawn, seed, scope)] if drawn else []
     return Verdict(
         checks=results,
         provenance=origin,
@@ -408,14 +395,15 @@ def _without(
 
 
 def _try_to_open(
-    fmu: Path, names: NameMap | None, time_limit: float, limits: workers.Limits
+    fmu: Path, names: NameMap | None, time_limit: float, limits: processes.Limits
 ) -> None:
     """Refuse an FMU whose description cannot be read within limits: here there are none."""
-    time_limit = max(time_limit, workers.TIME_LIMIT)
-    limits = workers.Limits(2.0 * time_limit, limits.memory)
-    with workers.Pool(1, time_limit, fmu, names, limits=limits) as pool:
-        (opened,) = pool.each(workers.open_fmu, [()])
-    if opened.failure is not None:
+    time_limit = max(time_limit, processes.TIME_LIMIT)
+    limits = processes.Limits(2.0 * time_limit, limits.memory)
+    with processes.Pool(1, time_limit, fmu, names, limits=limits) as pool:
+        (opened,) = pool.each(processes.open_fmu, [()])
+    # What `FmuFile` refuses, it refuses here too.
+    if opened.failure is not None and not opened.failure.startswith(FmuError.__name__):
         raise FmuError(f"{fmu}: its description cannot be read: {opened.failure}")
 
 

@@ -23,18 +23,17 @@ from stickslip_verification.model.quantities import (
     OUTPUT_NAMES,
     QUANTITIES,
 )
-from stickslip_verification.model.run import CommunicationStep, points
-from stickslip_verification.model.verdict import CaseGroup, Klass, Measure
+from stickslip_verification.model.verdict import (
+    CaseGroup,
+    CommunicationStep,
+    Klass,
+    Measure,
+    points,
+)
 from stickslip_verification.suite.invariants import Invariants, invariant_ids
 from stickslip_verification.suite.tolerances import Facts, Rules, Tolerance, facts_of
 from stickslip_verification.truth.course import COULOMB_NAME
-from stickslip_verification.truth.parameters import (
-    CHANGEABLE,
-    PARAMETERS,
-    Parameter,
-    changeable,
-    complete,
-)
+from stickslip_verification.truth.parameters import PARAMETERS, Parameter, changeable, complete
 
 _SAME_POINT = 1e-9  # of the mean step: how far rounding may move the sum of many steps
 _SHORTEST_PART = 1e-15  # of the stop time: a drawn step below it would not move the sum of steps
@@ -411,7 +410,7 @@ def _values(
 ) -> tuple[Mapping[str, float], ...]:
     """Return all values in force at the start and after each change."""
     table = {each.name: each for each in (*PARAMETERS, *own)}
-    moving = CHANGEABLE | changeable(own)
+    moving = changeable(table.values())
     values: list[Mapping[str, float]] = []
     changes = (change.set for change in written.experiment.changes)
     for n, setting in enumerate((written.parameters, *changes)):

@@ -15,8 +15,7 @@ from random import Random
 from typing import NamedTuple
 
 from stickslip_verification import truth
-from stickslip_verification.model.run import CommunicationStep
-from stickslip_verification.model.verdict import Table
+from stickslip_verification.model.verdict import CommunicationStep, Table
 from stickslip_verification.suite.cases import Case, follow
 from stickslip_verification.suite.invariants import Manner
 from stickslip_verification.truth.parameters import CHANGEABLE, START_VALUES

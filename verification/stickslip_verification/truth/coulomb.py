@@ -17,7 +17,6 @@ from stickslip_verification.truth.parameters import (
     complete,
     exact,
     high_precision,
-    root_tolerance,
     sign,
 )
 from stickslip_verification.truth.series import Series, safeguarded_zero
@@ -484,30 +483,15 @@ def critical_lambda(zeta: float, *, digits: int = 50) -> Number:
         return context.zero
     if ratio >= 1:
         return context.inf
-    return context.exp(_log_critical_lambda(context, ratio))
+    nu = context.sqrt((1 - ratio) * (1 + ratio))
 
-
-def _log_critical_lambda(context: Context, zeta: Number) -> Number:
-    """Return ln lambda_c by Newton's method on (13) from above, bracketed."""
-    nu = context.sqrt((1 - zeta) * (1 + zeta))
-    low = context.log(2 * zeta)
-    high = context.log1p(context.exp(2 * context.pi * zeta / nu))
-    tolerance = root_tolerance(context)
-    logarithm = high
-    last = high - low
-    while True:
+    def excess(logarithm: Number) -> tuple[bool, Number]:
         L = context.exp(logarithm)
-        square = (L - zeta) ** 2 + nu * nu
-        turn = 2 * context.pi - context.atan2(L * nu, 1 - zeta * L)
-        excess = context.log(square) - 2 * zeta / nu * turn
-        if excess > 0:
-            high = logarithm
-        else:
-            low = logarithm
-        step = -excess * square / (2 * L * L)
-        if abs(step) > tolerance and (not (low < logarithm + step < high) or 2 * abs(step) > last):
-            step = (low + high) / 2 - logarithm
-        logarithm += step
-        last = abs(step)
-        if last <= tolerance:
-            return logarithm
+        square = (L - ratio) ** 2 + nu * nu
+        turn = 2 * context.pi - context.atan2(L * nu, 1 - ratio * L)
+        left = context.log(square) - 2 * ratio / nu * turn
+        return left > 0, -left * square / (2 * L * L)
+
+    low = context.log(2 * ratio)
+    high = context.log1p(context.exp(2 * context.pi * ratio / nu))
+    return context.exp(safeguarded_zero(context, excess, low, high))

@@ -113,16 +113,10 @@ class Piece:
 
     def end(self) -> Start:
         """Return the motion at its end."""
-        at = self.length
-        return Start(
-            begin=self.begin + self.duration,
-            speed=value_at(self.speed, at),
-            pull=value_at(self.pull, at),
-            distance=value_at(self.distance, at),
-            heat=value_at(self.heat, at),
-            impulse=value_at(self.impulse, at),
-            state=[value_at(each, at) for each in self.state],
-        )
+        courses = (self.speed, self.pull, self.distance, self.heat, self.impulse)
+        speed, pull, distance, heat, impulse = (value_at(each, self.length) for each in courses)
+        state = [value_at(each, self.length) for each in self.state]
+        return Start(self.begin + self.duration, speed, pull, distance, heat, impulse, state)
 
 
 class Pieces:

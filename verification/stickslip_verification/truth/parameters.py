@@ -82,10 +82,6 @@ CHANGEABLE = changeable(PARAMETERS)
 # loses sixteen in the amplitudes of its two exponentials.
 _GUARD_DIGITS = 20
 
-# A root is done when its last step moves it by less than this many bits above the rounding: the
-# step itself still squares the error, while nearer the rounding near-double roots only jitter.
-_ROOT_BITS = 30
-
 
 @functools.cache
 def high_precision(digits: int) -> Context:
@@ -98,16 +94,6 @@ def high_precision(digits: int) -> Context:
     context = mpmath.mp.clone()
     context.dps = digits + _GUARD_DIGITS
     return context
-
-
-def doubles() -> Context:
-    """Return the context that computes in doubles."""
-    return mpmath.fp
-
-
-def root_tolerance(context: Context) -> Number:
-    """Return the relative size of a last step at which a root of `context` is done."""
-    return context.ldexp(1, _ROOT_BITS - context.prec)
 
 
 def complete(given: Mapping[str, float], own: Sequence[Parameter] = ()) -> dict[str, float]:

@@ -12,7 +12,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from itertools import pairwise
 
-from stickslip_verification.truth.parameters import Context, Number, root_tolerance, sign
+from stickslip_verification.truth.parameters import Context, Number, sign
 
 Rule = Callable[[int], Number]
 
@@ -199,6 +199,9 @@ def integral(terms: Sequence[Number]) -> list[Number]:
     return [0 * terms[0], *(term / (n + 1) for n, term in enumerate(terms))]
 
 
+_ROOT_BITS = 30
+"""A root is done when its last step moves it by less than 2^30 roundings: the step itself still
+squares the error, while nearer the rounding near-double roots only jitter."""
 _NOISE_BITS = 12  # a Bernstein coefficient below 2^12 roundings of the largest is rounding
 
 
@@ -267,7 +270,7 @@ def safeguarded_zero(
     whatever the function does. A step is small beside t, or beside the bracket where the zero lies
     at its start.
     """
-    tolerance = root_tolerance(context)
+    tolerance = context.ldexp(1, _ROOT_BITS - context.prec)
     t = (low + high) / 2
     last = high - low
     negligible = tolerance * tolerance * last

@@ -64,7 +64,7 @@ def current_fmu(law: str = COULOMB) -> Path:
     import tempfile
 
     from stickslip.files import make_folder, writing
-    from stickslip_verification.drive.fmu.description import content_digest
+    from stickslip_verification.drive.description import content_digest
 
     with tempfile.TemporaryDirectory(prefix="stickslip-") as folder:
         fresh = built(Path(folder), "--fmu", law=law)
@@ -90,8 +90,8 @@ def pack_evidence(fmu: Path, verdict: "Verdict", option: str) -> None:
     """Put the evidence into the FMU that was judged, which `option` named."""
     from fmi.packer import add
     from stickslip.handbook.evidence import evidence
-    from stickslip_verification.drive.fmu.description import content_digest
-    from stickslip_verification.drive.fmu.instance import FmuFile
+    from stickslip_verification.drive.description import content_digest
+    from stickslip_verification.drive.instance import FmuFile
     from stickslip_verification.drive.masters import law_of
 
     if content_digest(fmu) != verdict.provenance["fmu"]["content"]:

@@ -189,7 +189,7 @@ def _check_pack(pack: bool, fmu: Path | None, names: Path | None, wanted: str | 
     if fmu is None:
         return
     from stickslip_fmu.laws.named import BUILT_IN, friction_law
-    from stickslip_verification.drive.fmu.instance import FmuFile
+    from stickslip_verification.drive.instance import FmuFile
 
     file = FmuFile(fmu)
     file.close()

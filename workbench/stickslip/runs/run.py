@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.parameters import Parameters
-from stickslip_verification.model.run import Event
+from stickslip_verification.model.verdict import Event
 
 Floats: TypeAlias = NDArray[np.float64]
 

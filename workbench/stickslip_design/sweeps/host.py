@@ -21,7 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip_verification import FmuError
-from stickslip_verification.drive.fmu.description import new_folder, unpack
+from stickslip_verification.drive.description import new_folder, unpack
 from stickslip_verification.drive.processes import LostError, Worker
 
 from .refusal import SweepError

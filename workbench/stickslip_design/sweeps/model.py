@@ -16,9 +16,9 @@ from pathlib import Path
 from typing import Final, NamedTuple
 
 from stickslip_verification import FmuError, Unit
-from stickslip_verification.drive.fmu import description as names
-from stickslip_verification.drive.fmu.description import NUMBERS, Description, check_size, unpack
-from stickslip_verification.drive.fmu.instance import FLOATING
+from stickslip_verification.drive import description as names
+from stickslip_verification.drive.description import NUMBERS, Description, check_size, unpack
+from stickslip_verification.drive.instance import FLOATING
 from stickslip_verification.model.units import Conversion
 
 from ..quantity import QuantityError

@@ -15,8 +15,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip_verification import FmuError
-from stickslip_verification.drive.fmu import description as names
-from stickslip_verification.drive.fmu.instance import FACES, FmuInstance
+from stickslip_verification.drive import description as names
+from stickslip_verification.drive.instance import FACES, FmuInstance
 
 from .reductions import REDUCTIONS
 from .runs import Runs

@@ -1,9 +1,15 @@
 """Probes that go on in a fresh process: states as bytes, other environments, memory; the table."""
 
+import contextlib
+import faulthandler
 import gc
 import itertools
+import locale
 import os
+import pickle
 import statistics
+import subprocess
+import sys
 import tempfile
 import time
 from collections.abc import Callable, Generator, Mapping, Sequence
@@ -11,12 +17,10 @@ from dataclasses import dataclass
 from functools import partial
 from itertools import chain
 from pathlib import Path
+from typing import Final, TypeVar
 
-from stickslip_verification.drive import masters
-from stickslip_verification.drive.fmu.description import NotApplicableError
-from stickslip_verification.drive.fmu.instance import FmuFile, available
-from stickslip_verification.drive.probes import calls
-from stickslip_verification.drive.probes.calls import (
+from stickslip_verification.drive import calls, masters
+from stickslip_verification.drive.calls import (
     Calls,
     Rows,
     calling,
@@ -24,11 +28,21 @@ from stickslip_verification.drive.probes.calls import (
     differences,
     played,
 )
-from stickslip_verification.drive.processes import Environment, in_fresh_process
+from stickslip_verification.drive.description import NotApplicableError
+from stickslip_verification.drive.instance import FmuFile, available
+from stickslip_verification.drive.processes import Answer, answer_of, discard_prints
 from stickslip_verification.model.quantities import OUTPUT_NAMES
+from stickslip_verification.suite.invariants import Probe
 from stickslip_verification.truth.parameters import START_VALUES
 
+Environment = Mapping[str, str | bool]
+"""Environment variables and their values; False for one that is not set."""
+LIMIT: Final = 30.0
+"""Seconds that a fresh process may take; alone on its processor most take half of one."""
+
+_COMMAND = "from stickslip_verification.drive.environments import serve; serve()"
 _PATIENCE = 4.0  # seconds after which no further environment is tried, to find the one that matters
+T = TypeVar("T")
 _UNWRITABLE = Path("/proc")  # a folder that even root cannot write to, where there is one
 
 
@@ -127,6 +141,52 @@ class _Fresh:
                 with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as deleted:
                     os.chdir(deleted)
             return caller.play(self.then)
+
+
+def in_fresh_process(
+    function: Callable[[], T],
+    environment: Environment | None = None,
+    elsewhere: bool = False,
+    seconds: float = 0.0,
+) -> Answer[T]:
+    """Return the answer of a function that can be pickled, from a process without a past.
+
+    The environment differs from the one of this process by `environment`, the working folder is an
+    empty one if it runs `elsewhere`, and it may take some `seconds` more than `LIMIT`.
+    """
+    limit = LIMIT + seconds
+    # A process that crashes or is ended leaves the files of the FMU there.
+    with tempfile.TemporaryDirectory(prefix="stickslip-", ignore_cleanup_errors=True) as scratch:
+        variables = {**os.environ, "TMPDIR": scratch, **(environment or {})}
+        try:
+            ended = subprocess.run(
+                [sys.executable, "-P", "-c", _COMMAND, str(limit)],
+                input=pickle.dumps(function),
+                stdout=subprocess.PIPE,
+                env={name: value for name, value in variables.items() if isinstance(value, str)},
+                cwd=scratch if elsewhere else None,
+                timeout=limit,
+                check=False,
+            )
+        except subprocess.TimeoutExpired:
+            return Answer(failure=f"no answer within {limit:g} s", late=True)
+    try:
+        answer: Answer[T] = pickle.loads(ended.stdout)
+    except Exception:
+        return Answer(failure=f"the process ended with exit code {ended.returncode}")
+    return answer
+
+
+def serve() -> None:
+    """Call the function that comes on standard input, and write its answer to standard output."""
+    with os.fdopen(os.dup(1), "wb") as out:
+        discard_prints()
+        # Ends this process even if its parent was ended and the FMU never returns.
+        faulthandler.dump_traceback_later(float(sys.argv[1]), exit=True)
+        # As a host with a graphical interface does; Python itself leaves numbers in the locale C.
+        with contextlib.suppress(locale.Error):
+            locale.setlocale(locale.LC_ALL, "")
+        pickle.dump(answer_of(lambda: pickle.load(sys.stdin.buffer)()), out)
 
 
 Doing = Generator[None, None, None]  # does something once with each `next` but the first
@@ -267,11 +327,11 @@ def _resident() -> int:
     return (resident - shared) * _PAGE
 
 
-Probe = Callable[..., list[str]]
+Question = Callable[..., list[str]]
 
-_IN_A_FRESH_PROCESS: tuple[Probe, ...] = (state_in_a_fresh_process, elsewhere, keeps_memory)
+_IN_A_FRESH_PROCESS: tuple[Question, ...] = (state_in_a_fresh_process, elsewhere, keeps_memory)
 
-_PROBES: tuple[Probe, ...] = (
+_PROBES: tuple[Question, ...] = (
     calls.declared_variables,
     calls.declared,
     calls.refuses,
@@ -285,9 +345,14 @@ _PROBES: tuple[Probe, ...] = (
     *_IN_A_FRESH_PROCESS,
 )
 
-PROBES: Mapping[str, Probe] = {probe.__name__: probe for probe in _PROBES}
+PROBES: Mapping[str, Question] = {probe.__name__: probe for probe in _PROBES}
 """What an invariant can name as ``probe``: a function of the FMU and of the probe's arguments."""
 OF_NUMERICAL = frozenset({calls.keeps_its_cycle.__name__})
 """The probes of numerical solutions; the exact block meets long cases in their stead."""
 LONG_PROBES = OF_NUMERICAL | {probe.__name__ for probe in _IN_A_FRESH_PROCESS}
 """The probes that take long: a long run, or a process of their own, half a second and more."""
+
+
+def asked(fmu: FmuFile, probe: Probe) -> list[str]:
+    """Try a probe of the suite."""
+    return PROBES[probe.probe](fmu, **probe.arguments)

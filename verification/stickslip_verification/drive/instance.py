@@ -21,7 +21,7 @@ import fmpy.fmi2
 import fmpy.fmi3
 import fmpy.logging
 
-from stickslip_verification.drive.fmu.description import (
+from stickslip_verification.drive.description import (
     UNITS,
     Description,
     FmuError,

@@ -15,11 +15,11 @@ from typing import Any
 import numpy as np
 
 from stickslip_verification.drive import masters
-from stickslip_verification.drive.fmu.description import UNITS, FmuError
-from stickslip_verification.drive.fmu.instance import FmuFile, FmuInstance, available
+from stickslip_verification.drive.description import UNITS, FmuError
+from stickslip_verification.drive.instance import FmuFile, FmuInstance, available
 from stickslip_verification.drive.masters import NotApplicableError, defaults, lacking, need
 from stickslip_verification.model.quantities import OUTPUT_NAMES, QUANTITIES, first_load_up
-from stickslip_verification.model.run import Series
+from stickslip_verification.model.verdict import Series
 from stickslip_verification.truth.parameters import START_VALUES, complete
 
 Call = Mapping[str, Any]
