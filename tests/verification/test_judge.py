@@ -264,8 +264,9 @@ def passed_unseen(turns: float, depth: float, phase: float) -> float:
     def moved(t: float) -> dict[str, float]:
         z = level - swing / W * math.sin(W * t + phase)
         x_dot = v + swing * math.cos(W * t + phase)
-        still = {"mode": 1.0, "sticking": 0.0, "t_event": 0.0, "n_slips": 0.0}
-        return {"x_dot": x_dot, "z": z, "x": v * t - z, "x_pull": v * t, **still}
+        still = ("sticking", "t_event", "n_slips", "F_s", "W_pull", "W_k", "Q_friction")
+        moving = {"x_dot": x_dot, "z": z, "x": v * t - z, "x_pull": v * t, "mode": 1.0}
+        return moving | dict.fromkeys(still, 0.0)
 
     first = moved(0.0)
     start = {f"{name}_start": first[name] for name in ("x_dot", "z", "x")}

@@ -13,7 +13,10 @@ from typing import Any
 
 import numpy as np
 
-from stickslip_score.figures import (
+from stickslip_verification.truth import steady_cycle
+from stickslip_verification.truth.parameters import complete, used_mu_k
+
+from .figures import (
     COARSE,
     LOST,
     QUANTITIES,
@@ -32,10 +35,8 @@ from stickslip_score.figures import (
     scatter_of,
     si,
 )
-from stickslip_score.fit import Fit, Fits, Slide, explained_by_drift, fit_slide, fits_of, solved
-from stickslip_score.read import Curve, CurveError, Floats
-from stickslip_verification.truth import steady_cycle
-from stickslip_verification.truth.parameters import complete, used_mu_k
+from .fit import Fit, Fits, Slide, explained_by_drift, fit_slide, fits_of, solved
+from .read import Curve, CurveError, Floats
 
 _NO_GAP = 0.25  # of the exact gap: a curve that shows less has one coefficient; steps only widen it
 _TYPED = 1e-5  # relative: nobody types a parameter so finely; usual solvers are off by more

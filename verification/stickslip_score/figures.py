@@ -21,8 +21,9 @@ from numpy.lib.stride_tricks import sliding_window_view
 from scipy.ndimage import uniform_filter1d
 from scipy.optimize import brentq
 
-from stickslip_score.read import Curve, CurveError, Floats
 from stickslip_verification.truth.parameters import used_mu_k
+
+from .read import Curve, CurveError, Floats
 
 EPSILON = float(np.finfo(np.float64).eps)
 QUANTITIES = ("period", "t_stick", "t_slip", "delta_x")

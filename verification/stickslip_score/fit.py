@@ -10,7 +10,7 @@ import numpy as np
 from scipy.optimize import least_squares
 from scipy.signal import correlate
 
-from stickslip_score.figures import (
+from .figures import (
     EPSILON,
     QUANTITIES,
     Figures,
@@ -23,7 +23,7 @@ from stickslip_score.figures import (
     scatter_of,
     without_drift,
 )
-from stickslip_score.read import LEAST_SAMPLES, Floats
+from .read import LEAST_SAMPLES, Floats
 
 _EXCESS = 1.25  # on a solution: the digits once, and what the least squares share out of them
 _ROUNDED, _FLIPS = 1.0, 4.0

@@ -12,19 +12,19 @@ from collections.abc import Collection, Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from pathlib import Path
 
-from stickslip_verification.drive.description import FmuError
-from stickslip_verification.drive.environments import PROBES
-from stickslip_verification.drive.exact import Exact, exact_motion, kept, spreads
-from stickslip_verification.drive.other_runs import RUNS
-from stickslip_verification.drive.solvers import SOLVERS
-from stickslip_verification.judge.accuracy import DIVERGED, Ruler
-from stickslip_verification.judge.metrics import METRICS
-from stickslip_verification.model.data_file import DataError
-from stickslip_verification.model.quantities import FORMULAS, QUANTITIES
-from stickslip_verification.model.verdict import KillMatrix, Klass, Measure, Verdict
-from stickslip_verification.report.html import write_report
-from stickslip_verification.run.verify import LONGEST_OF_ANY, verify
-from stickslip_verification.suite.cases import (
+from .drive.description import FmuError
+from .drive.environments import PROBES
+from .drive.exact import Exact, exact_motion, kept, spreads
+from .drive.other_runs import RUNS
+from .drive.solvers import SOLVERS
+from .judge.accuracy import DIVERGED, Ruler
+from .judge.metrics import METRICS
+from .model.data_file import DataError
+from .model.quantities import FORMULAS, QUANTITIES
+from .model.verdict import KillMatrix, Klass, Measure, Verdict
+from .report.html import write_report
+from .run.verify import LONGEST_OF_ANY, verify
+from .suite.cases import (
     CASES_FOLDER,
     FAMILY,
     Case,
@@ -34,10 +34,10 @@ from stickslip_verification.suite.cases import (
     long_cases,
     meanings,
 )
-from stickslip_verification.suite.faults import Mutant, MutantError, load_mutants
-from stickslip_verification.suite.invariants import InvariantError, Invariants, load_invariants
-from stickslip_verification.suite.sequences import COUNT
-from stickslip_verification.suite.tolerances import ZERO
+from .suite.faults import Mutant, MutantError, load_mutants
+from .suite.invariants import InvariantError, Invariants, load_invariants
+from .suite.sequences import COUNT
+from .suite.tolerances import ZERO
 
 THEORY = Path(__file__).parents[2] / "docs" / "theory.md"
 """Where the equations stand, in a working copy; an installed suite does not carry it."""

@@ -14,13 +14,13 @@ from typing import Any
 
 import numpy as np
 
-from stickslip_verification.drive import masters
-from stickslip_verification.drive.description import UNITS, FmuError
-from stickslip_verification.drive.instance import FmuFile, FmuInstance, available
-from stickslip_verification.drive.masters import NotApplicableError, defaults, lacking, need
-from stickslip_verification.model.quantities import OUTPUT_NAMES, QUANTITIES, first_load_up
-from stickslip_verification.model.verdict import Series
-from stickslip_verification.truth.parameters import START_VALUES, complete
+from ..model.quantities import OUTPUT_NAMES, QUANTITIES, first_load_up
+from ..model.verdict import Series
+from ..truth.parameters import START_VALUES, complete
+from . import masters
+from .description import UNITS, FmuError
+from .instance import FmuFile, FmuInstance, available
+from .masters import NotApplicableError, defaults, lacking, need
 
 Call = Mapping[str, Any]
 """One call of a master: ``{ set = { name = value } }`` sets variables (SI), ``{ start = time }``

@@ -21,10 +21,10 @@ import fmpy.model_description
 from pydantic import BeforeValidator
 from pydantic.dataclasses import dataclass as model
 
-from stickslip_verification.model.data_file import WRITTEN, DataError, DataFile, Written
-from stickslip_verification.model.quantities import OUTPUT_NAMES, QUANTITIES
-from stickslip_verification.model.units import Conversion, Unit, conversion, defined, spelled
-from stickslip_verification.truth.parameters import PARAMETERS, Parameter
+from ..model.data_file import WRITTEN, DataError, DataFile, Written
+from ..model.quantities import OUTPUT_NAMES, QUANTITIES
+from ..model.units import Conversion, Unit, conversion, defined, spelled
+from ..truth.parameters import PARAMETERS, Parameter
 
 
 class FmuError(RuntimeError):

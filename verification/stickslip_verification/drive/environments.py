@@ -19,21 +19,14 @@ from itertools import chain
 from pathlib import Path
 from typing import Final, TypeVar
 
-from stickslip_verification.drive import calls, masters
-from stickslip_verification.drive.calls import (
-    Calls,
-    Rows,
-    calling,
-    check_playable,
-    differences,
-    played,
-)
-from stickslip_verification.drive.description import NotApplicableError
-from stickslip_verification.drive.instance import FmuFile, available
-from stickslip_verification.drive.processes import Answer, answer_of, discard_prints
-from stickslip_verification.model.quantities import OUTPUT_NAMES
-from stickslip_verification.suite.invariants import Probe
-from stickslip_verification.truth.parameters import START_VALUES
+from ..model.quantities import OUTPUT_NAMES
+from ..suite.invariants import Probe
+from ..truth.parameters import START_VALUES
+from . import calls, masters
+from .calls import Calls, Rows, calling, check_playable, differences, played
+from .description import NotApplicableError
+from .instance import FmuFile, available
+from .processes import Answer, answer_of, discard_prints
 
 Environment = Mapping[str, str | bool]
 """Environment variables and their values; False for one that is not set."""

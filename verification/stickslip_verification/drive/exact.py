@@ -22,14 +22,14 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 
-from stickslip_verification import truth
-from stickslip_verification.model.data_file import write_whole
-from stickslip_verification.model.quantities import OUTPUT_NAMES
-from stickslip_verification.model.verdict import Event, ObservedOrder, Run, Series, Transition
-from stickslip_verification.suite.cases import Case, follow
-from stickslip_verification.suite.invariants import Order
-from stickslip_verification.suite.tolerances import Facts, facts_of
-from stickslip_verification.truth.course import BUILT_IN, COULOMB_NAME
+from .. import truth
+from ..model.data_file import write_whole
+from ..model.quantities import OUTPUT_NAMES
+from ..model.verdict import Event, ObservedOrder, Run, Series, Transition
+from ..suite.cases import Case, follow
+from ..suite.invariants import Order
+from ..suite.tolerances import Facts, facts_of
+from ..truth.course import BUILT_IN, COULOMB_NAME
 
 if TYPE_CHECKING:
     import stickslip_ref

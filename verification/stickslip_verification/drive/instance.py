@@ -21,7 +21,8 @@ import fmpy.fmi2
 import fmpy.fmi3
 import fmpy.logging
 
-from stickslip_verification.drive.description import (
+from ..truth.parameters import Parameter
+from .description import (
     UNITS,
     Description,
     FmuError,
@@ -32,10 +33,9 @@ from stickslip_verification.drive.description import (
     one_line,
     unpack,
 )
-from stickslip_verification.truth.parameters import Parameter
 
 if TYPE_CHECKING:
-    from stickslip_verification.suite.faults import Hook
+    from ..suite.faults import Hook
 
 WARNING, FATAL = 1, 4
 """The highest status of a call that succeeded, and the one after which nothing may be called any

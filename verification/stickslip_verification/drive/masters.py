@@ -15,17 +15,17 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from stickslip_verification.drive.description import FmuError
-from stickslip_verification.drive.description import NotApplicableError as NotApplicableError
-from stickslip_verification.drive.instance import FmuFile, FmuInstance, available
-from stickslip_verification.model.quantities import OUTPUT_NAMES
-from stickslip_verification.model.verdict import CommunicationStep as CommunicationStep
-from stickslip_verification.model.verdict import Run, points
-from stickslip_verification.truth.course import BUILT_IN, COULOMB_NAME
-from stickslip_verification.truth.parameters import CHANGEABLE, START_VALUES, Parameter, changeable
+from ..model.quantities import OUTPUT_NAMES
+from ..model.verdict import CommunicationStep as CommunicationStep
+from ..model.verdict import Run, points
+from ..truth.course import BUILT_IN, COULOMB_NAME
+from ..truth.parameters import START_VALUES, Parameter, changeable
+from .description import FmuError
+from .description import NotApplicableError as NotApplicableError
+from .instance import FmuFile, FmuInstance, available
 
 if TYPE_CHECKING:
-    from stickslip_verification.suite.cases import Case
+    from ..suite.cases import Case
 
 
 @dataclass(frozen=True)
@@ -121,7 +121,7 @@ def may_change(fmu: FmuFile, name: str, own: Sequence[Parameter] = ()) -> bool:
     variable = fmu.variables.get(name)
     return (
         variable is not None
-        and name in CHANGEABLE | changeable(own)
+        and name in changeable(own)
         and (variable.causality == "input" or variable.variability == "tunable")
     )
 

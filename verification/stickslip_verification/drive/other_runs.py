@@ -7,8 +7,12 @@ from dataclasses import dataclass, replace
 from functools import cached_property, partial
 from typing import TYPE_CHECKING
 
-from stickslip_verification.drive.instance import FmuFile
-from stickslip_verification.drive.masters import (
+from ..model.quantities import OUTPUTS, Quantity
+from ..model.units import spelled
+from ..model.verdict import Run
+from ..truth.parameters import PARAMETERS, Parameter
+from .instance import FmuFile
+from .masters import (
     CommunicationStep,
     Master,
     NotApplicableError,
@@ -20,13 +24,9 @@ from stickslip_verification.drive.masters import (
     need_changeable,
     setting_of,
 )
-from stickslip_verification.model.quantities import OUTPUTS, Quantity
-from stickslip_verification.model.units import spelled
-from stickslip_verification.model.verdict import Run
-from stickslip_verification.truth.parameters import PARAMETERS, Parameter
 
 if TYPE_CHECKING:
-    from stickslip_verification.suite.cases import Case
+    from ..suite.cases import Case
 
 _PIECES = (0.3, 0.45)  # parts of a step that it is cut into, the rest being the last
 _ROLLBACKS, _REPEATED = 5, 20

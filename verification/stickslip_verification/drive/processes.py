@@ -36,9 +36,9 @@ from multiprocessing.context import BaseContext
 from pathlib import Path
 from typing import Any, Final, Generic, TypeVar
 
-from stickslip_verification.drive.description import NameMap, NotApplicableError
-from stickslip_verification.drive.instance import FmuFile
-from stickslip_verification.suite.faults import Hook
+from ..suite.faults import Hook
+from .description import NameMap, NotApplicableError
+from .instance import FmuFile
 
 T = TypeVar("T")
 
@@ -86,8 +86,6 @@ TIME_LIMIT = PROBE_LIMIT = 60.0
 """Seconds that one run of a case, or one probe, may take; the longest of the suite takes a few."""
 MOST_PER_PROCESSOR = 4
 """Processes for each processor; more of them only take memory from each other."""
-
-_GIGABYTE = 1e9
 
 
 @dataclass(frozen=True)
@@ -388,7 +386,7 @@ class Pool(contextlib.AbstractContextManager["Pool"]):
         self._budget = limits.budget if fmu is not None else math.inf
         self._folder = tempfile.TemporaryDirectory(prefix="stickslip-", ignore_cleanup_errors=True)
         opened = fmu and partial(FmuFile, fmu, names, hooks, own_starts=own_starts)
-        memory = None if fmu is None else round(limits.memory * _GIGABYTE)
+        memory = None if fmu is None else round(1e9 * limits.memory)
         self._start = partial(Worker, _begin, (self._folder.name, opened), memory)
         self._waiting: deque[_Task] = deque()
         self._idle: list[Worker] = []

@@ -13,8 +13,8 @@ from typing import Any, Final
 
 import numpy as np
 
-from stickslip_verification.model.verdict import Run
-from stickslip_verification.suite.cases import Case
+from ..model.verdict import Run
+from ..suite.cases import Case
 
 Method = Callable[
     [Callable[[float, float], float], float, float, float, float], tuple[float, float]

@@ -22,8 +22,13 @@ from typing import Final
 import numpy as np
 from scipy.optimize import linear_sum_assignment
 
-from stickslip_verification.drive import processes
-from stickslip_verification.drive.description import (
+from ..model.quantities import QUANTITIES
+from ..model.units import Unit
+from ..model.verdict import Run, Series
+from ..suite.cases import Case
+from ..truth.parameters import PARAMETERS, Kind
+from . import processes
+from .description import (
     INPUT_UNITS,
     NOT_THERE,
     UNITS,
@@ -37,14 +42,9 @@ from stickslip_verification.drive.description import (
     looks_like,
     shown,
 )
-from stickslip_verification.drive.exact import kept, run_reference
-from stickslip_verification.drive.instance import FLOATING, REQUIRED, FmuFile
-from stickslip_verification.drive.masters import CommunicationStep, Master, Setting
-from stickslip_verification.model.quantities import QUANTITIES
-from stickslip_verification.model.units import Unit
-from stickslip_verification.model.verdict import Run, Series
-from stickslip_verification.suite.cases import Case
-from stickslip_verification.truth.parameters import PARAMETERS, Kind
+from .exact import kept, run_reference
+from .instance import FLOATING, REQUIRED, FmuFile
+from .masters import CommunicationStep, Master, Setting
 
 _ALL_SAID: Final = 20.0
 """What it counts that name, description and unit say all that a quantity needs, and the name no

@@ -16,12 +16,12 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip_verification.drive.exact import OFF, Exact, shifted
-from stickslip_verification.drive.solvers import LATE
-from stickslip_verification.model.quantities import OUTPUTS, QUANTITIES
-from stickslip_verification.model.verdict import Run, Series, Transition
-from stickslip_verification.suite.cases import Case
-from stickslip_verification.truth import COULOMB_NAME
+from ..drive.exact import OFF, Exact, shifted
+from ..drive.solvers import LATE
+from ..model.quantities import OUTPUTS, QUANTITIES
+from ..model.verdict import Run, Series, Transition
+from ..suite.cases import Case
+from ..truth import COULOMB_NAME
 
 Mask = NDArray[np.bool_]
 

@@ -10,15 +10,12 @@ from typing import Any, Final, Literal
 
 import numpy as np
 
-from stickslip_verification.drive.exact import Exact, halves
-from stickslip_verification.drive.exact import slope as slope_of
-from stickslip_verification.drive.instance import FmuFile
-from stickslip_verification.drive.processes import Answer
-from stickslip_verification.judge.accuracy import Band
-from stickslip_verification.judge.course import CheckError, Course, LackingError, Residual
-from stickslip_verification.judge.metrics import METRICS
-from stickslip_verification.model.quantities import FORMULAS, OUTPUT_NAMES, QUANTITIES
-from stickslip_verification.model.verdict import (
+from ..drive.exact import Exact, halves
+from ..drive.exact import slope as slope_of
+from ..drive.instance import FmuFile
+from ..drive.processes import Answer
+from ..model.quantities import FORMULAS, OUTPUT_NAMES, QUANTITIES
+from ..model.verdict import (
     CheckResult,
     ChosenContract,
     Kind,
@@ -29,16 +26,12 @@ from stickslip_verification.model.verdict import (
     Series,
     margin,
 )
-from stickslip_verification.suite.cases import At, Case, Check
-from stickslip_verification.suite.invariants import (
-    Agreement,
-    Invariant,
-    Order,
-    Probe,
-    ResidualInvariant,
-    RunInvariant,
-)
-from stickslip_verification.suite.tolerances import DISTURBED
+from ..suite.cases import At, Case, Check
+from ..suite.invariants import Agreement, Invariant, Order, Probe, ResidualInvariant, RunInvariant
+from ..suite.tolerances import DISTURBED
+from .accuracy import Band
+from .course import CheckError, Course, LackingError, Residual
+from .metrics import METRICS
 
 Wanted = Literal["exact", "physics"]
 
@@ -73,11 +66,7 @@ REFERENCE_CONTRACT = Contract("reference", exact=False)
 PHYSICS_CONTRACT = Contract("fmu", interface=False, exact=False, contract=False)
 STRICT_CONTRACT = Contract("fmu", interface=False)
 
-CONTRACTS: Final[Mapping[str, Contract]] = {
-    "exact": EXACT_CONTRACT,
-    "physics": PHYSICS_CONTRACT,
-    "strict": STRICT_CONTRACT,
-}
+CONTRACTS: Final = {"exact": EXACT_CONTRACT, "physics": PHYSICS_CONTRACT, "strict": STRICT_CONTRACT}
 """How an FMU is judged, by the name of the contract."""
 
 

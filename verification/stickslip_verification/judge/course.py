@@ -14,10 +14,10 @@ from itertools import accumulate
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip_verification.model.quantities import QUANTITIES
-from stickslip_verification.model.verdict import Run, Series
-from stickslip_verification.suite.cases import Case
-from stickslip_verification.truth import friction_law
+from ..model.quantities import QUANTITIES
+from ..model.verdict import Run, Series
+from ..suite.cases import Case
+from ..truth import friction_law
 
 Mask = NDArray[np.bool_]
 

@@ -4,19 +4,9 @@ from typing import Final
 
 import numpy as np
 
-from stickslip_verification.judge.course import (
-    SLACK,
-    Course,
-    Mask,
-    Metric,
-    Residual,
-    State,
-    Wide,
-    slips,
-    state,
-)
-from stickslip_verification.model.quantities import OUTPUT_NAMES
-from stickslip_verification.model.verdict import Series
+from ..model.quantities import OUTPUT_NAMES
+from ..model.verdict import Series
+from .course import SLACK, Course, Mask, Metric, Residual, State, Wide, slips, state
 
 _POLISHES = 4
 _PROBES = (*(0.5**n for n in range(30, 4, -1)), *(n / 16.0 for n in range(1, 17)))

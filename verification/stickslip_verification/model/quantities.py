@@ -16,8 +16,8 @@ from typing import Any
 import numpy as np
 from mpmath import mp, mpf
 
-from stickslip_verification import truth
-from stickslip_verification.model.verdict import Series
+from .. import truth
+from .verdict import Series
 
 DIGITS = 50  # working precision of every formula; far beyond what a double can tell apart
 

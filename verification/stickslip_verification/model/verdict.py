@@ -9,7 +9,7 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip_verification.truth import Step
+from ..truth import Step
 
 Series = NDArray[np.float64]
 

@@ -12,8 +12,8 @@ from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from markupsafe import Markup
 from pydantic_core import to_jsonable_python
 
-from stickslip_verification.model.data_file import write_whole
-from stickslip_verification.model.verdict import (
+from ..model.data_file import write_whole
+from ..model.verdict import (
     SEQUENCE,
     CheckResult,
     Kind,
@@ -206,16 +206,43 @@ def as_junit(verdict: Verdict) -> str:
     """Return one test suite per case and one test case per check and side.
 
     What does not apply is skipped, and a noted failure, which does not decide, passes with its
-    story as output. There are no times, so that the same verdict gives the same file.
+    story as output. The last suite has what a verdict needs beyond its checks: a truth that was
+    met, and faults caught. There are no times, so that the same verdict gives the same file.
     """
     root = ET.Element("testsuites", name="stickslip verify")
-    cases: dict[str, ET.Element] = {}
+    suites: dict[str, ET.Element] = {}
+
+    def add(suite: str, name: str, tag: str = "", text: str = "", **said: str) -> None:
+        if suite not in suites:
+            suites[suite] = ET.SubElement(root, "testsuite", name=suite)
+        test = ET.SubElement(suites[suite], "testcase", classname=suite, name=name)
+        if tag:
+            ET.SubElement(test, tag, said).text = text
+
     for result in verdict.checks:
-        case = result.case or ABOUT_THE_FMU
-        if case not in cases:
-            cases[case] = ET.SubElement(root, "testsuite", name=case)
-        _add(cases[case], result)
-    _add_verdict(root, verdict)
+        of = result.case or ABOUT_THE_FMU, f"{result.check} ({SIDES[result.side]})"
+        if result.not_applicable is not None:
+            add(*of, "skipped", message=result.not_applicable)
+        elif result.failed:
+            add(*of, "failure", _numbers(result), type=result.truth, message=story(result))
+        elif result.verdict == Outcome.NOTED:
+            add(*of, "system-out", f"noted, does not decide: {story(result)}\n{_numbers(result)}")
+        else:
+            add(*of)
+    rows = {"the FMU met a truth": "" if verdict.proven else "no check against a truth passed"}
+    if verdict.kills is not None:
+        for fault in verdict.kills.rows:
+            missed = f"none of {', '.join(fault.wanted)} failed"
+            rows[f"planted fault {fault.mutant}"] = "" if fault.caught else missed
+        for check, reason in verdict.kills.kills_nothing.items():
+            missed = "nothing says why it stays"
+            rows[f"kills_nothing check {check}"] = "" if reason else missed
+    for name, missed in rows.items():
+        add(THE_VERDICT, name, "failure" if missed else "", type="verdict", message=missed)
+    properties = ET.Element("properties")
+    for name, value in (("contract", verdict.contract.name), ("why", verdict.contract.why)):
+        ET.SubElement(properties, "property", name=name, value=value)
+    suites[THE_VERDICT].insert(0, properties)
     for suite in (root, *root):
         for attribute, tag in (("tests", "testcase"), ("failures", "failure"), ("skipped",) * 2):
             suite.set(attribute, str(len(list(suite.iter(tag)))))
@@ -226,30 +253,8 @@ def as_junit(verdict: Verdict) -> str:
     return f'<?xml version="1.0" encoding="UTF-8"?>\n{text}\n'
 
 
-def _add_verdict(root: ET.Element, verdict: Verdict) -> None:
-    """Add what a verdict needs beyond its checks: a truth that was met, and faults caught."""
-    rows = {"the FMU met a truth": "" if verdict.proven else "no check against a truth passed"}
-    if verdict.kills is not None:
-        for fault in verdict.kills.rows:
-            missed = f"none of {', '.join(fault.wanted)} failed"
-            rows[f"planted fault {fault.mutant}"] = "" if fault.caught else missed
-        for check, reason in verdict.kills.kills_nothing.items():
-            missed = "nothing says why it stays"
-            rows[f"kills_nothing check {check}"] = "" if reason else missed
-    suite = ET.SubElement(root, "testsuite", name=THE_VERDICT)
-    properties = ET.SubElement(suite, "properties")
-    for name, value in (("contract", verdict.contract.name), ("why", verdict.contract.why)):
-        ET.SubElement(properties, "property", name=name, value=value)
-    for name, reason in rows.items():
-        test = ET.SubElement(suite, "testcase", classname=THE_VERDICT, name=name)
-        if reason:
-            ET.SubElement(test, "failure", type="verdict", message=reason)
-
-
-def _add(suite: ET.Element, result: CheckResult) -> None:
-    name = f"{result.check} ({SIDES[result.side]})"
-    test = ET.SubElement(suite, "testcase", classname=suite.attrib["name"], name=name)
-    numbers = (
+def _numbers(result: CheckResult) -> str:
+    return (
         f"quantity: {result.quantity} [{result.unit}]\n"
         f"expected: {result.expected!r}\n"
         f"got: {result.got!r}\n"
@@ -258,10 +263,3 @@ def _add(suite: ET.Element, result: CheckResult) -> None:
         f"because: {result.because}\n"
         f"kind of truth: {KINDS[result.truth]}\n"
     )
-    if result.not_applicable is not None:
-        ET.SubElement(test, "skipped", message=result.not_applicable)
-    elif result.failed:
-        ET.SubElement(test, "failure", type=result.truth, message=story(result)).text = numbers
-    elif result.verdict == Outcome.NOTED:
-        said = f"noted, does not decide: {story(result)}\n{numbers}"
-        ET.SubElement(test, "system-out").text = said

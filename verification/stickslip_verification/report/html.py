@@ -5,9 +5,9 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import NamedTuple
 
-from stickslip_verification.drive.exact import slope
-from stickslip_verification.model.data_file import write_all
-from stickslip_verification.model.verdict import (
+from ..drive.exact import slope
+from ..model.data_file import write_all
+from ..model.verdict import (
     LIKELIEST,
     SEQUENCE,
     CaseGroup,
@@ -18,8 +18,8 @@ from stickslip_verification.model.verdict import (
     Outcome,
     Verdict,
 )
-from stickslip_verification.report import files, plots
-from stickslip_verification.suite.cases import Meaning
+from ..suite.cases import Meaning
+from . import files, plots
 
 NO_MEANINGS: Mapping[str, Meaning] = MappingProxyType({})
 
@@ -53,15 +53,6 @@ class CaseResults(NamedTuple):
     failed: bool
 
 
-class Group(NamedTuple):
-    """The cases under one heading that are shown, of how many, and how many of all failed."""
-
-    name: str
-    cases: Sequence[CaseResults]
-    total: int
-    failed: int
-
-
 def render(
     verdict: Verdict, *, meanings: Mapping[str, Meaning] = NO_MEANINGS, full: bool = False
 ) -> str:
@@ -89,6 +80,7 @@ def render(
         ],
         shown=_shown(pictures, failures),
         groups=_groups(verdict),
+        sequences=SEQUENCES,
         nearest=_nearest(verdict),
         full=full,
         style=files.text_of("style.css"),
@@ -172,11 +164,8 @@ def _shown(drawn: Collection[str], failures: Sequence[FailedCheck]) -> str | Non
     return next((case for case in (*failed, "default", *drawn) if case in drawn), None)
 
 
-def _groups(verdict: Verdict) -> list[Group]:
-    """Return the cases in their groups, the default one first, then those that failed.
-
-    Of the random sequences only those that failed are shown.
-    """
+def _groups(verdict: Verdict) -> dict[str, list[CaseResults]]:
+    """Return the cases in their groups, the default one first, then those that failed."""
     motions = {motion.case: motion for motion in verdict.motions}
     results: dict[str, list[Numbered]] = {}
     for number, result in enumerate(verdict.checks):
@@ -189,19 +178,9 @@ def _groups(verdict: Verdict) -> list[Group]:
         failed = any(result.failed for _, result in of_case)
         ordered = sorted(of_case, key=lambda numbered: _FIRST.get(numbered[1].verdict, 2))
         groups[name].append(CaseResults(case, motion, ordered, failed))
-    return [
-        Group(
-            name,
-            sorted(
-                (case for case in cases if case.failed or name != SEQUENCES),
-                key=lambda case: (case.id != "default", not case.failed),
-            ),
-            len(cases),
-            sum(case.failed for case in cases),
-        )
-        for name, cases in groups.items()
-        if cases
-    ]
+    for cases in groups.values():
+        cases.sort(key=lambda case: (case.id != "default", not case.failed))
+    return groups
 
 
 def _nearest(verdict: Verdict) -> list[Numbered]:

@@ -22,7 +22,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator, NullLocator
 from numpy.typing import NDArray
 
-from stickslip_verification.model.verdict import (
+from ..model.verdict import (
     SEQUENCE,
     CheckResult,
     Measure,

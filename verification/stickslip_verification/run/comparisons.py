@@ -13,25 +13,17 @@ from typing import Final
 
 import numpy as np
 
-from stickslip_verification.drive.description import FmuError
-from stickslip_verification.drive.exact import Exact
-from stickslip_verification.drive.processes import Answer
-from stickslip_verification.drive.solvers import SOLVERS, Solver
-from stickslip_verification.judge import accuracy, checks
-from stickslip_verification.judge.checks import (
-    REFERENCE_CONTRACT,
-    compared,
-    judge_probe,
-    of_invariant,
-    same_run,
-    without,
-)
-from stickslip_verification.model.quantities import OUTPUT_NAMES
-from stickslip_verification.model.verdict import CheckResult, Run
-from stickslip_verification.run.experiment import Baseline, Runs
-from stickslip_verification.suite.cases import Case, load_family
-from stickslip_verification.suite.sequences import PLAIN
-from stickslip_verification.truth.course import BUILT_IN
+from ..drive.description import FmuError
+from ..drive.exact import Exact
+from ..drive.processes import Answer
+from ..drive.solvers import SOLVERS, Solver
+from ..judge import accuracy, checks
+from ..model.quantities import OUTPUT_NAMES
+from ..model.verdict import CheckResult, Run
+from ..suite.cases import Case, load_family
+from ..suite.sequences import PLAIN
+from ..truth.course import BUILT_IN
+from .experiment import Baseline, Runs
 
 OTHER_STEPS: Final = frozenset(
     {"splitting", "time", "forces", "in_pieces", "unread", "busy", "shifted", "continued"}
@@ -157,17 +149,17 @@ def compare_numerical(runs: Runs, solved: Solution) -> Iterator[CheckResult]:
         if plain is not None and solved.mismatched:
             expected = min(expected, OF_OUTPUT / accuracy.STANDS_OUT * plain.of("x"))
         for invariant in plainly:
-            empty = of_invariant(invariant, case, contract)
+            empty = checks.of_invariant(invariant, case, contract)
             yield _judge(empty, PLAIN, runs.plain[case], plain, solved.like, expected)
         for run in runs.experiment.runs if plain is not None else ():
             if run.holds_for(baseline.case.law):
-                empty, other = of_invariant(run, case, contract), runs.others[case, run.run]
+                empty, other = checks.of_invariant(run, case, contract), runs.others[case, run.run]
                 row = not_round.get((case, run.run))
                 yield row or _judge(empty, run.run, other, plain, solved.like, expected)
     yield from _of_sequences(runs, solved.like)
     for probe in invariants.probes:
         if probe.id not in OF_EXACT:
-            yield judge_probe(probe, contract, runs.probes[probe.id])
+            yield checks.judge_probe(probe, contract, runs.probes[probe.id])
 
 
 def _not_round(runs: Runs, solved: Solution) -> dict[tuple[str, str], CheckResult]:
@@ -180,10 +172,10 @@ def _not_round(runs: Runs, solved: Solution) -> dict[tuple[str, str], CheckResul
             continue
         alike = {}
         for case, plain in solved.plain.items():
-            empty = of_invariant(run, case, runs.experiment.contract)
+            empty = checks.of_invariant(run, case, runs.experiment.contract)
             other = runs.others[case, run.run].value
             if other is not None and plain.motion.delta < accuracy.SATURATED:
-                alike[case, run.run] = same_run(empty, plain.run, other, plain.ruler.band)
+                alike[case, run.run] = checks.same_run(empty, plain.run, other, plain.ruler.band)
         rounded = sum(row.passed for row in alike.values())
         off = {place: row for place, row in alike.items() if (row.error or 0.0) > APART}
         if rounded >= MOSTLY * len(alike) and len(off) > ROUND[run.run] * len(alike):
@@ -209,7 +201,7 @@ def _of_sequences(runs: Runs, like: accuracy.Matched) -> Iterator[CheckResult]:
         expected[name] = max(expected[name], least)
     for test, answer in tests:
         case, name = test.baseline.case, test.baseline.case.id
-        empty = of_invariant(test.manner, name, runs.experiment.contract)
+        empty = checks.of_invariant(test.manner, name, runs.experiment.contract)
         ran = name in drawn and answer.value is not None
         raised = (answer.failure or "").startswith(FmuError.__name__)
         if name in too_stiff if ran else raised and like.alike and _stiff(case, like):
@@ -233,13 +225,13 @@ def _judge(
     expected: float,
 ) -> CheckResult:
     if answer.value is None:
-        return without(empty, answer)
+        return checks.without(empty, answer)
     if plain is None:
         lacking = "its plain run is lacking, or what is near the exact one"
         return replace(empty, not_applicable=lacking)
     if manner == PLAIN:
         return _of_motion(empty, plain, like, expected)
-    result = same_run(empty, plain.run, answer.value, plain.ruler.band)
+    result = checks.same_run(empty, plain.run, answer.value, plain.ruler.band)
     if result.passed or not (manner in OTHER_STEPS or SOLVERS[like.solver].rtol > 0.0):
         return result
     worst = plain.ruler.deviation(answer.value)
@@ -254,7 +246,7 @@ def _judge(
         worst, allowed = (rest, most) if rest.delta > most else (worst, allowed)
     because = f"{AS_MUCH:g} times the plain run's, or what it may have itself"
     empty = replace(empty, quantity=_off(worst), tolerance=allowed, because=because)
-    return compared(empty, allowed / AS_MUCH, worst.delta, worst.delta)
+    return checks.compared(empty, allowed / AS_MUCH, worst.delta, worst.delta)
 
 
 def _expected(plain: Plain, like: accuracy.Matched, *, whole: bool = False) -> tuple[float, bool]:
@@ -387,7 +379,8 @@ def compare(runs: Runs, *, reference: bool = True) -> Iterator[CheckResult]:
 def _compare_case(runs: Runs, baseline: Baseline, *, reference: bool) -> Iterator[CheckResult]:
     case, plain = baseline.case, runs.plain[baseline.case.id]
     invariants, contract = runs.experiment.invariants, runs.experiment.contract
-    sides = [(contract, plain)] + ([(REFERENCE_CONTRACT, baseline.reference)] if reference else [])
+    sides = [(contract, plain), (checks.REFERENCE_CONTRACT, baseline.reference)]
+    sides = sides if reference else sides[:1]
     for check, (side, answer) in product(case.checks, sides):
         empty = checks.of_check(case, check, side)
         yield _result(empty, baseline, answer, partial(checks.judge, case, check, side))
@@ -407,7 +400,7 @@ def _compare_case(runs: Runs, baseline: Baseline, *, reference: bool) -> Iterato
             answers = (baseline.exact, plain, baseline.reference)
             yield checks.judge_agreement(agreement, case, agreed, contract, *answers)
     for order, seen in baseline.orders if reference else ():
-        yield from checks.judge_order(order, case, REFERENCE_CONTRACT, seen)
+        yield from checks.judge_order(order, case, checks.REFERENCE_CONTRACT, seen)
 
 
 def _result(

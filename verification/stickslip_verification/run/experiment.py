@@ -9,22 +9,16 @@ from dataclasses import dataclass, replace
 from itertools import product
 from typing import Any
 
-from stickslip_verification.drive import exact as motions
-from stickslip_verification.drive.environments import asked
-from stickslip_verification.drive.masters import run_case
-from stickslip_verification.drive.other_runs import other_run
-from stickslip_verification.drive.processes import PROBE_LIMIT, Answer, Pool
-from stickslip_verification.judge.checks import Contract, applies
-from stickslip_verification.model.verdict import Klass, ObservedOrder, Run, Series
-from stickslip_verification.suite.cases import Case
-from stickslip_verification.suite.invariants import (
-    Invariants,
-    Manner,
-    Order,
-    ResidualInvariant,
-    RunInvariant,
-)
-from stickslip_verification.suite.sequences import PLAIN, tried
+from ..drive import exact as motions
+from ..drive.environments import asked
+from ..drive.masters import run_case
+from ..drive.other_runs import other_run
+from ..drive.processes import PROBE_LIMIT, Answer, Pool
+from ..judge.checks import Contract, applies
+from ..model.verdict import Klass, ObservedOrder, Run, Series
+from ..suite.cases import Case
+from ..suite.invariants import Invariants, Manner, Order, ResidualInvariant, RunInvariant
+from ..suite.sequences import PLAIN, tried
 
 TIME_LIMIT = 180.0
 """Seconds that the truth or the reference may take for one case; the longest takes a few."""

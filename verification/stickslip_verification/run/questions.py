@@ -15,32 +15,16 @@ from typing import Final
 
 import numpy as np
 
-from stickslip_verification.drive.processes import NOT_MADE
-from stickslip_verification.drive.solvers import SHARES, SOLVERS, Acceleration, Slider, Solver
-from stickslip_verification.judge import accuracy
-from stickslip_verification.model.verdict import (
-    LIKELIEST,
-    SEQUENCE,
-    CheckResult,
-    Kind,
-    Question,
-    Run,
-    Series,
-    Table,
-)
-from stickslip_verification.run.comparisons import (
-    FEW,
-    Plain,
-    Solution,
-    as_large,
-    output_of,
-    place_of,
-)
-from stickslip_verification.run.experiment import Runs
-from stickslip_verification.suite.cases import Case
-from stickslip_verification.suite.invariants import load_invariants
-from stickslip_verification.truth.course import BUILT_IN
-from stickslip_verification.truth.parameters import CHANGEABLE
+from ..drive.processes import NOT_MADE
+from ..drive.solvers import SHARES, SOLVERS, Acceleration, Slider, Solver
+from ..judge import accuracy
+from ..model.verdict import LIKELIEST, SEQUENCE, CheckResult, Kind, Question, Run, Series, Table
+from ..suite.cases import Case
+from ..suite.invariants import load_invariants
+from ..truth.course import BUILT_IN
+from ..truth.parameters import CHANGEABLE
+from .comparisons import FEW, Plain, Solution, as_large, output_of, place_of
+from .experiment import Runs
 
 EXPLAINS: Final = 0.1  # most of the mean deviation that a cause may leave
 WORST: Final = 3  # how many failed runs are tried

@@ -20,14 +20,14 @@ from importlib import metadata
 from pathlib import Path
 from typing import Any
 
-from stickslip_verification.drive import processes
-from stickslip_verification.drive.description import FmuError, NameMap, content_digest
-from stickslip_verification.drive.environments import LONG_PROBES, OF_NUMERICAL
-from stickslip_verification.drive.exact import Exact
-from stickslip_verification.drive.instance import FmuFile, require
-from stickslip_verification.drive.masters import can_run, fitting, law_of, may_change, require_law
-from stickslip_verification.judge import checks
-from stickslip_verification.model.verdict import (
+from ..drive import processes
+from ..drive.description import FmuError, NameMap, content_digest
+from ..drive.environments import LONG_PROBES, OF_NUMERICAL
+from ..drive.exact import Exact
+from ..drive.instance import FmuFile, require
+from ..drive.masters import can_run, fitting, law_of, may_change, require_law
+from ..judge import checks
+from ..model.verdict import (
     CheckResult,
     Detection,
     KillMatrix,
@@ -37,8 +37,14 @@ from stickslip_verification.model.verdict import (
     Table,
     Verdict,
 )
-from stickslip_verification.run.comparisons import compare, compare_numerical, solution
-from stickslip_verification.run.experiment import (
+from ..suite import sequences as drawing
+from ..suite.cases import Case, long_cases
+from ..suite.faults import FAULTS_FOLDER, Mutant, MutantError, carries_source, plant
+from ..suite.invariants import Invariants, Manner, load_invariants
+from ..truth import COULOMB, COULOMB_NAME
+from ..truth.parameters import CHANGEABLE, START_VALUES
+from .comparisons import compare, compare_numerical, solution
+from .experiment import (
     Baseline,
     Experiment,
     Progress,
@@ -49,19 +55,7 @@ from stickslip_verification.run.experiment import (
     run_all,
     silent,
 )
-from stickslip_verification.run.questions import questions
-from stickslip_verification.suite import sequences as drawing
-from stickslip_verification.suite.cases import Case, long_cases
-from stickslip_verification.suite.faults import (
-    FAULTS_FOLDER,
-    Mutant,
-    MutantError,
-    carries_source,
-    plant,
-)
-from stickslip_verification.suite.invariants import Invariants, Manner, load_invariants
-from stickslip_verification.truth import COULOMB, COULOMB_NAME
-from stickslip_verification.truth.parameters import CHANGEABLE, START_VALUES
+from .questions import questions
 
 LONGEST = 100.0
 """Cases of more simulated time [s] are left out: a mutant that integrates would take minutes."""

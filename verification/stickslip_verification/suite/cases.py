@@ -14,26 +14,14 @@ from typing import Annotated, Any, ClassVar
 from pydantic import BeforeValidator, Field, WithJsonSchema
 from pydantic.dataclasses import dataclass as model
 
-from stickslip_verification import truth
-from stickslip_verification.model import data_file as data
-from stickslip_verification.model.quantities import (
-    CYCLE,
-    FORMULAS,
-    GROUPS,
-    OUTPUT_NAMES,
-    QUANTITIES,
-)
-from stickslip_verification.model.verdict import (
-    CaseGroup,
-    CommunicationStep,
-    Klass,
-    Measure,
-    points,
-)
-from stickslip_verification.suite.invariants import Invariants, invariant_ids
-from stickslip_verification.suite.tolerances import Facts, Rules, Tolerance, facts_of
-from stickslip_verification.truth.course import COULOMB_NAME
-from stickslip_verification.truth.parameters import PARAMETERS, Parameter, changeable, complete
+from .. import truth
+from ..model import data_file as data
+from ..model.quantities import CYCLE, FORMULAS, GROUPS, OUTPUT_NAMES, QUANTITIES
+from ..model.verdict import CaseGroup, CommunicationStep, Klass, Measure, points
+from ..truth.course import COULOMB_NAME
+from ..truth.parameters import PARAMETERS, Parameter, changeable, complete
+from .invariants import Invariants, invariant_ids
+from .tolerances import Facts, Rules, Tolerance, facts_of
 
 _SAME_POINT = 1e-9  # of the mean step: how far rounding may move the sum of many steps
 _SHORTEST_PART = 1e-15  # of the stop time: a drawn step below it would not move the sum of steps
@@ -410,7 +398,7 @@ def _values(
 ) -> tuple[Mapping[str, float], ...]:
     """Return all values in force at the start and after each change."""
     table = {each.name: each for each in (*PARAMETERS, *own)}
-    moving = changeable(table.values())
+    moving = changeable(own)
     values: list[Mapping[str, float]] = []
     changes = (change.set for change in written.experiment.changes)
     for n, setting in enumerate((written.parameters, *changes)):

@@ -25,9 +25,9 @@ from typing import Annotated, Any, ClassVar
 from pydantic import Field
 from pydantic.dataclasses import dataclass
 
-from stickslip_verification.model import data_file as data
-from stickslip_verification.model.data_file import replacing
-from stickslip_verification.truth import COULOMB_NAME
+from ..model import data_file as data
+from ..model.data_file import replacing
+from ..truth import COULOMB_NAME
 
 FAULTS_FOLDER = Path(__file__).parent / "faults"
 
@@ -198,10 +198,7 @@ def plant(fmu: Path, mutant: Mutant, destination: Path) -> Path:
     entries = _read(fmu)
     package = _package(fmu, entries)
     _apply(mutant, entries, f"{RESOURCES}{package}/")
-    content = hashlib.sha256()
-    for name in sorted(entries):
-        content.update(f"\0{name}\0{len(entries[name])}\0".encode() + entries[name])
-    digest = content.hexdigest()[:16]
+    digest = hashlib.sha256(repr(sorted(entries.items())).encode()).hexdigest()[:16]
     new = f"{package.rpartition('_')[0]}_{digest}"
     renamed = {
         name.replace(package, new): text.replace(package.encode(), new.encode())

@@ -10,8 +10,8 @@ from typing import Annotated, Any, ClassVar
 from pydantic import Field
 from pydantic.dataclasses import dataclass
 
-from stickslip_verification.model import data_file as data
-from stickslip_verification.model.verdict import Kind, Klass
+from ..model import data_file as data
+from ..model.verdict import Kind, Klass
 
 FOLDER = Path(__file__).parent / "invariants"
 

@@ -14,11 +14,11 @@ from pathlib import Path
 from random import Random
 from typing import NamedTuple
 
-from stickslip_verification import truth
-from stickslip_verification.model.verdict import CommunicationStep, Table
-from stickslip_verification.suite.cases import Case, follow
-from stickslip_verification.suite.invariants import Manner
-from stickslip_verification.truth.parameters import CHANGEABLE, START_VALUES
+from .. import truth
+from ..model.verdict import CommunicationStep, Table
+from ..truth.parameters import CHANGEABLE, START_VALUES
+from .cases import Case, follow
+from .invariants import Manner
 
 SEED = 1  # of the sequences that run by default
 COUNT = 320  # sequences that run by default

@@ -13,10 +13,10 @@ from typing import Annotated
 from pydantic import Field
 from pydantic.dataclasses import dataclass as model
 
-from stickslip_verification.model.data_file import WRITTEN, Count, Written
-from stickslip_verification.model.quantities import FORMULAS, QUANTITIES
-from stickslip_verification.model.verdict import Measure
-from stickslip_verification.truth import COULOMB, FrictionLaw, Run
+from ..model.data_file import WRITTEN, Count, Written
+from ..model.quantities import FORMULAS, QUANTITIES
+from ..model.verdict import Measure
+from ..truth import COULOMB, FrictionLaw, Run
 
 ROUNDING = 1e-12
 """What the exact block may lose before conditioning, as a part of the value: some thousand

@@ -5,21 +5,21 @@ It is written from docs/theory.md alone, and imports mpmath and nothing else of 
 Coulomb's cycle in closed form (damped: with one root), `critical_lambda` the edge of its existence.
 """
 
-from stickslip_verification.truth.coulomb import COULOMB as COULOMB
-from stickslip_verification.truth.coulomb import critical_lambda as critical_lambda
-from stickslip_verification.truth.coulomb import steady_cycle as steady_cycle
-from stickslip_verification.truth.course import COULOMB_NAME as COULOMB_NAME
-from stickslip_verification.truth.course import Run as Run
-from stickslip_verification.truth.course import Step as Step
-from stickslip_verification.truth.course import friction_law as friction_law
-from stickslip_verification.truth.course import run as run
-from stickslip_verification.truth.law import FrictionLaw as FrictionLaw
-from stickslip_verification.truth.law import Slip as Slip
-from stickslip_verification.truth.parameters import PARAMETERS as PARAMETERS
-from stickslip_verification.truth.parameters import START_VALUES as START_VALUES
-from stickslip_verification.truth.parameters import Kind as Kind
-from stickslip_verification.truth.parameters import Number as Number
-from stickslip_verification.truth.parameters import Numbers as Numbers
-from stickslip_verification.truth.parameters import Parameter as Parameter
-from stickslip_verification.truth.series import Series as Series
-from stickslip_verification.truth.stribeck import STRIBECK as STRIBECK
+from .coulomb import COULOMB as COULOMB
+from .coulomb import critical_lambda as critical_lambda
+from .coulomb import steady_cycle as steady_cycle
+from .course import COULOMB_NAME as COULOMB_NAME
+from .course import Run as Run
+from .course import Step as Step
+from .course import friction_law as friction_law
+from .course import run as run
+from .law import FrictionLaw as FrictionLaw
+from .law import Slip as Slip
+from .parameters import PARAMETERS as PARAMETERS
+from .parameters import START_VALUES as START_VALUES
+from .parameters import Kind as Kind
+from .parameters import Number as Number
+from .parameters import Numbers as Numbers
+from .parameters import Parameter as Parameter
+from .series import Series as Series
+from .stribeck import STRIBECK as STRIBECK

@@ -7,8 +7,8 @@ pulling speed V = s v carries the sign and the speed of the mass is never negati
 from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
-from stickslip_verification.truth.law import FrictionLaw
-from stickslip_verification.truth.parameters import (
+from .law import FrictionLaw
+from .parameters import (
     Context,
     Kind,
     Number,
@@ -19,7 +19,7 @@ from stickslip_verification.truth.parameters import (
     high_precision,
     sign,
 )
-from stickslip_verification.truth.series import Series, safeguarded_zero
+from .series import Series, safeguarded_zero
 
 
 class _Fall(NamedTuple):

@@ -13,10 +13,9 @@ from typing import Any
 
 import mpmath
 
-from stickslip_verification.truth.coulomb import COULOMB
-from stickslip_verification.truth.law import FrictionLaw, Slip
-from stickslip_verification.truth.parameters import (
-    CHANGEABLE,
+from .coulomb import COULOMB
+from .law import FrictionLaw, Slip
+from .parameters import (
     Context,
     Number,
     changeable,
@@ -25,8 +24,8 @@ from stickslip_verification.truth.parameters import (
     high_precision,
     sign,
 )
-from stickslip_verification.truth.series import Series, bracketed_zero
-from stickslip_verification.truth.stribeck import STRIBECK
+from .series import Series, bracketed_zero
+from .stribeck import STRIBECK
 
 
 class Meter:
@@ -330,8 +329,7 @@ class Motion:
         return hold if isinstance(hold, Series) else Series(self._context, [hold])
 
     def _hold(self, age: Number, state: tuple[Number, ...]) -> Number:
-        hold = self._law.hold(self._n, Series.variable(self._context, age), state)
-        return hold.term(0) if isinstance(hold, Series) else hold
+        return self._hold_series(age, state).term(0)
 
     def _sliding(self, speed: Number = 0) -> Number:
         """Return the friction [N] at a speed [m/s], now."""
@@ -501,7 +499,7 @@ def run(
     law = friction_law(law) if isinstance(law, str) else law
     values = complete(parameters, law.parameters)
     law.check(values)
-    may_change = CHANGEABLE | changeable(law.parameters)
+    may_change = changeable(law.parameters)
     if not math.isfinite(start_time):
         raise ValueError(f"start_time = {start_time} is not a finite number")
     motion = Motion(context, values, start_time, law)

@@ -3,9 +3,9 @@
 from collections.abc import Mapping, Sequence
 from typing import Protocol
 
-from stickslip_verification.truth.march import Friction, March, NearRest
-from stickslip_verification.truth.parameters import Context, Number, Numbers, Parameter, used_mu_k
-from stickslip_verification.truth.series import Series
+from .march import Friction, March, NearRest
+from .parameters import Context, Number, Numbers, Parameter, used_mu_k
+from .series import Series
 
 
 class Slip(Protocol):

@@ -12,8 +12,8 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import NamedTuple
 
-from stickslip_verification.truth.parameters import Context, Number, Numbers, sign
-from stickslip_verification.truth.series import (
+from .parameters import Context, Number, Numbers, sign
+from .series import (
     Series,
     bracketed_zero,
     derivative,

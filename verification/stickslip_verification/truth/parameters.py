@@ -70,12 +70,13 @@ START_VALUES: Mapping[str, float] = {each.name: each.start for each in PARAMETER
 """Values taken where none is given, SI."""
 
 
-def changeable(parameters: Iterable[Parameter]) -> frozenset[str]:
-    """Return the names of inputs and tunable parameters."""
-    return frozenset(each.name for each in parameters if each.kind is not Kind.FIXED)
+def changeable(own: Iterable[Parameter] = ()) -> frozenset[str]:
+    """Return the names of inputs and tunable parameters, the friction law's `own` among them."""
+    table = (*PARAMETERS, *own)
+    return frozenset(each.name for each in table if each.kind is not Kind.FIXED)
 
 
-CHANGEABLE = changeable(PARAMETERS)
+CHANGEABLE = changeable()
 """Inputs and tunable parameters of the model: what may change between two steps."""
 
 # Twenty digits beyond those asked for: a slip a hair from critical damping (zeta - 1 down to 1e-32)

@@ -12,7 +12,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from itertools import pairwise
 
-from stickslip_verification.truth.parameters import Context, Number, sign
+from .parameters import Context, Number, sign
 
 Rule = Callable[[int], Number]
 

@@ -12,10 +12,10 @@ from bisect import bisect_right
 from collections.abc import Mapping, Sequence
 from enum import IntEnum
 
-from stickslip_verification.truth.law import FrictionLaw
-from stickslip_verification.truth.march import NearRest
-from stickslip_verification.truth.parameters import Context, Kind, Number, Numbers, Parameter
-from stickslip_verification.truth.series import Series
+from .law import FrictionLaw
+from .march import NearRest
+from .parameters import Context, Kind, Number, Numbers, Parameter
+from .series import Series
 
 MOST_POINTS = 12  # a curve has at most as many points
 
