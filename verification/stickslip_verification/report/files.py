@@ -4,7 +4,6 @@ import json
 import math
 import re
 import xml.etree.ElementTree as ET
-from collections.abc import Collection, Iterable
 from pathlib import Path
 from typing import Any, Final
 
@@ -14,7 +13,6 @@ from pydantic_core import to_jsonable_python
 
 from ..model.data_file import write_whole
 from ..model.verdict import (
-    SEQUENCE,
     CheckResult,
     Kind,
     Measure,
@@ -56,22 +54,6 @@ def story(result: CheckResult) -> str:
     return f"error {error_text(result.error)} is above {allowed}"
 
 
-def sentence(verdict: Verdict) -> str:
-    """Say what came out: how near the exact motion the FMU is, or where it fails."""
-    if verdict.questions:
-        return verdict.questions[0].answer
-    failed = {result.case for result in verdict.checks if result.failed}
-    if failed:
-        return f"Fails in {_of_all(verdict, failed)}."
-    compared = with_exact_motion(verdict)
-    if not compared:
-        return "No output was compared with the exact motion."
-    largest = max(result.error or 0.0 for result in compared)
-    near = f"Within {error_text(largest)} of" if largest else "Equal to the last bit to"
-    where = _of_all(verdict, {result.case for result in compared}, short=True)
-    return f"{near} the exact motion in {where}."
-
-
 def with_exact_motion(verdict: Verdict) -> list[CheckResult]:
     """Return what compares an output of the FMU with the exact motion, in parts of its scale."""
     return [
@@ -82,35 +64,6 @@ def with_exact_motion(verdict: Verdict) -> list[CheckResult]:
         and result.measure == Measure.OF_SCALE
         and result.verdict == Outcome.PASS
     ]
-
-
-def places(cases: Collection[str]) -> str:
-    """Count cases and random sequences in words."""
-    sequences = sum(case.startswith(SEQUENCE) for case in cases)
-    named = (len(set(cases) - {""}) - sequences, "case"), (sequences, "random sequence")
-    counted = [_many(number, name) for number, name in named if number]
-    return _and([*counted, "the FMU itself"] if "" in cases else counted)
-
-
-def _of_all(verdict: Verdict, cases: set[str], *, short: bool = False) -> str:
-    """Say which part of the cases and random sequences these are; `short` leaves out a whole."""
-    parts = []
-    for of, name in ((verdict.cases, "case"), (verdict.sequences, "random sequence")):
-        part, whole = len(cases.intersection(of)), _many(len(of), name)
-        if part:
-            parts.append(whole if short and part == len(of) else f"{part} of {whole}")
-    if "" in cases:
-        parts.append(f"{'in ' if parts else ''}what the FMU declares, refuses and promises")
-    return _and(parts)
-
-
-def _many(number: int, name: str) -> str:
-    return f"{number} {name}" if number == 1 else f"{number} {name}s"
-
-
-def _and(parts: Iterable[str]) -> str:
-    *first, last = parts
-    return f"{', '.join(first)} and {last}" if first else last
 
 
 _TEMPLATES: Final = Path(__file__).parent / "templates"
@@ -138,7 +91,7 @@ def environment(folder: Path = _TEMPLATES) -> Environment:
         "counts": count,
         "measure": measure,
         "story": story,
-        "places": places,
+        "compared": with_exact_motion,
         "slope": lambda slope: f"{slope:.2f}".replace("-", "\N{MINUS SIGN}"),
     }
     made.tests["finite"] = math.isfinite

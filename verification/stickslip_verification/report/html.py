@@ -65,7 +65,6 @@ def render(
     pictures = plots.draw_cases(verdict)
     return files.environment().get_template("index.html.j2").render(
         verdict=verdict,
-        sentence=files.sentence(verdict),
         asked_last=LIKELIEST,
         likeliest=_likeliest(verdict, failures, meanings),
         farthest=max(files.with_exact_motion(verdict), key=lambda r: r.error or 0.0, default=None),
@@ -209,7 +208,6 @@ def packed_report(verdict: Verdict) -> str:
     return files.environment().get_template("packed.html.j2").render(
         verdict=verdict,
         name=_NAMES[verdict.provenance["fmu"]["fmi_version"]],
-        sentence=files.sentence(verdict),
         cases={name: results for name, results in cases.items() if results},
         titles={motion.case: motion.title for motion in verdict.motions},
         shown=[(n, r) for n, r in enumerate(cases[SHOWN]) if r.side == "fmu"],
