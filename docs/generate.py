@@ -35,7 +35,7 @@ from stickslip_verification import (
 from stickslip_verification.drive.description import content_digest
 from stickslip_verification.model.verdict import SEQUENCE, Kind
 from stickslip_verification.report.files import as_json
-from stickslip_verification.report.plots import differences
+from stickslip_verification.report.svg import differences
 from stickslip_verification.suite.cases import CaseFile
 from stickslip_verification.suite.faults import FaultFile
 from stickslip_verification.suite.invariants import Invariants

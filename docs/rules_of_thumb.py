@@ -20,7 +20,7 @@ from scipy.optimize import brentq
 from stickslip_ref import Parameters, coulomb_limit, simplified, steady_cycle
 from stickslip_verification import truth
 from stickslip_verification.model import quantities as formulas
-from stickslip_verification.report.plots import BASE, as_svg
+from stickslip_verification.report.svg import BASE, as_svg
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

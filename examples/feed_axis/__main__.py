@@ -13,7 +13,7 @@ import typer
 from stickslip.parameters import quantity
 from stickslip_design.axis import AxisError, axis_of, example, read_axis
 from stickslip_native.compiler import CompilerError
-from stickslip_verification.report.plots import BLUE, GREY, ORANGE, STYLE
+from stickslip_verification.report.svg import BLUE, GREY, ORANGE, STYLE
 
 from .masters import MASTERS, MasterError, run
 from .system import Move, build_all

@@ -1,7 +1,7 @@
 """Faults in the C sources: each is detected by the check of the suite that was named in advance."""
 
 import tomllib
-from functools import cache
+from functools import cache, partial
 from pathlib import Path
 from typing import Any
 
@@ -9,7 +9,7 @@ import pytest
 from _pytest.mark import ParameterSet
 
 from stickslip_native.packer import sources_of
-from stickslip_verification.drive import processes
+from stickslip_verification.drive import FmuFile, processes
 from stickslip_verification.drive.exact import exact_motion, kept
 from stickslip_verification.drive.processes import Answer
 from stickslip_verification.judge.checks import EXACT_CONTRACT, applies
@@ -113,7 +113,7 @@ def tiers() -> list[ParameterSet]:
 @pytest.mark.parametrize("name", tiers())
 def test_a_fault_fails_the_check_that_fits(name: str, tmp_path: Path) -> None:
     fault = FAULTS[name]
-    with processes.Pool(1, fmu=faulty(fault["edit"], tmp_path)) as pool:
+    with processes.Pool(1, fmu=partial(FmuFile, faulty(fault["edit"], tmp_path))) as pool:
         assert failing(pool, fault["check"])
 
 
@@ -123,5 +123,5 @@ def test_a_fault_fails_the_check_that_fits(name: str, tmp_path: Path) -> None:
 )
 def test_the_sound_fmu_passes_all_of_them(kind: tuple[str, str]) -> None:
     places = {each["check"] for each in FAULTS.values() if kind_of(each["edit"][0]) == kind}
-    with processes.Pool(1, fmu=built(*kind)) as pool:
+    with processes.Pool(1, fmu=partial(FmuFile, built(*kind))) as pool:
         assert [each for where in places for each in failing(pool, where)] == []

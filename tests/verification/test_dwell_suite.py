@@ -4,9 +4,9 @@ from pathlib import Path
 
 import pytest
 
-from stickslip_verification.drive.description import NotApplicableError
 from stickslip_verification.drive.instance import FmuFile
 from stickslip_verification.drive.masters import law_of, require_law, setting_of
+from stickslip_verification.drive.processes import NotApplicableError
 from stickslip_verification.suite.cases import follow
 from stickslip_verification.suite.sequences import SHARE, draw_sequences, well_decided, with_dwell
 from tests.makers import altered, edited

@@ -11,6 +11,7 @@ import tempfile
 import time
 from collections.abc import Callable
 from dataclasses import replace
+from functools import partial
 from multiprocessing.connection import Connection
 from pathlib import Path
 from typing import Any
@@ -18,7 +19,7 @@ from typing import Any
 import pytest
 
 from stickslip_verification import Case, FmuError, Limits, verify
-from stickslip_verification.drive import processes
+from stickslip_verification.drive import FmuFile, processes
 from stickslip_verification.drive.masters import run_case
 from stickslip_verification.drive.processes import Answer
 from stickslip_verification.model.verdict import Run
@@ -63,7 +64,7 @@ def test_a_misdeed_of_an_fmu_is_an_answer_and_the_next_task_gets_its_own(
     limits, words = MISDEEDS[what]
     fmu, seconds = misbehaving(what).path, 5.0 if what == "hang" else 60.0
     use(tmp_path, monkeypatch)
-    with processes.Pool(1, seconds, fmu, limits=limits) as p:
+    with processes.Pool(1, seconds, partial(FmuFile, fmu), limits=limits) as p:
         before, during, after = plain(p, short(2), short(3), short(2))
     for answer in (before, after):
         assert answer.value is not None
@@ -128,7 +129,7 @@ def test_a_process_that_is_lost_costs_its_task(
 ) -> None:
     monkeypatch.setattr(processes, "LONGEST_SILENCE", 1)
     limits = Limits(memory=0.8)
-    with processes.Pool(1, fmu=misbehaving("raise").path, limits=limits) as pool:
+    with processes.Pool(1, fmu=partial(FmuFile, misbehaving("raise").path), limits=limits) as pool:
         (lost,) = pool.each(task, [()])
         (after,) = plain(pool, short(2))
     assert lost.failure == told
@@ -146,7 +147,7 @@ def lives(process: int) -> bool:
 @linux
 def test_a_daemon_of_an_fmu_ends_with_the_pool(tmp_path: Path) -> None:
     notes = tmp_path / "notes.txt"
-    with processes.Pool(2, fmu=misbehaving(f"daemon {notes}").path) as pool:
+    with processes.Pool(2, fmu=partial(FmuFile, misbehaving(f"daemon {notes}").path)) as pool:
         assert all(answer.value is not None for answer in plain(pool, short(3), short(3)))
         daemons = [int(line) for line in notes.read_text(encoding="utf-8").split()]
         assert list(map(lives, daemons)) == [True, True]
@@ -156,10 +157,10 @@ def test_a_daemon_of_an_fmu_ends_with_the_pool(tmp_path: Path) -> None:
 SUITE = """\
 import os, sys
 from pathlib import Path
-from tests.verification.test_hostile import plain, short, processes
+from tests.verification.test_hostile import FmuFile, partial, plain, processes, short
 
 if __name__ == "__main__":
-    with processes.Pool(1, fmu=Path(sys.argv[1])) as pool:
+    with processes.Pool(1, fmu=partial(FmuFile, Path(sys.argv[1]))) as pool:
         print(plain(pool, short(3))[0].failure, flush=True)
         if sys.argv[2:]:
             os.kill(os.getpid(), 9)
@@ -204,7 +205,8 @@ def slow(_: object, seconds: float) -> float:
 
 
 def test_only_runs_without_a_result_spend_the_budget() -> None:
-    with processes.Pool(1, fmu=misbehaving("raise").path, limits=Limits(budget=8.0)) as pool:
+    opened = partial(FmuFile, misbehaving("raise").path)
+    with processes.Pool(1, fmu=opened, limits=Limits(budget=8.0)) as pool:
         for _ in range(3):
             (answer,) = pool.each(slow, [(3.0,)])
             assert answer == Answer(3.0)
@@ -230,7 +232,7 @@ def test_a_pool_that_is_left_ends_what_still_runs(
     use(tmp_path, monkeypatch)
 
     def interrupted() -> None:
-        with processes.Pool(1, fmu=fmu) as pool:
+        with processes.Pool(1, fmu=partial(FmuFile, fmu)) as pool:
             next(pool.each(run_case, [(short(2),), (short(3),)]))
             raise KeyboardInterrupt
 

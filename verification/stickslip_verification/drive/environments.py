@@ -24,9 +24,8 @@ from ..suite.invariants import Probe
 from ..truth.parameters import START_VALUES
 from . import calls, masters
 from .calls import Calls, Rows, calling, check_playable, differences, played
-from .description import NotApplicableError
 from .instance import FmuFile, available
-from .processes import Answer, answer_of, discard_prints
+from .processes import Answer, NotApplicableError, answer_of, discard_prints
 
 Environment = Mapping[str, str | bool]
 """Environment variables and their values; False for one that is not set."""

@@ -21,8 +21,8 @@ from ..model.verdict import Run, points
 from ..truth.course import BUILT_IN, COULOMB_NAME
 from ..truth.parameters import START_VALUES, Parameter, changeable
 from .description import FmuError
-from .description import NotApplicableError as NotApplicableError
 from .instance import FmuFile, FmuInstance, available
+from .processes import NotApplicableError as NotApplicableError
 
 if TYPE_CHECKING:
     from ..suite.cases import Case

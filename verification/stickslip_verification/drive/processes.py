@@ -36,11 +36,11 @@ from multiprocessing.context import BaseContext
 from pathlib import Path
 from typing import Any, Final, Generic, TypeVar
 
-from ..suite.faults import Hook
-from .description import NameMap, NotApplicableError
-from .instance import FmuFile
-
 T = TypeVar("T")
+
+
+class NotApplicableError(Exception):
+    """The FMU lacks what a case or an invariant needs; the text says what."""
 
 
 @dataclass(frozen=True)
@@ -366,28 +366,24 @@ class Pool(contextlib.AbstractContextManager["Pool"]):
 
     Leaving the `with` block ends whatever still runs, and what an FMU left behind. A task may take
     `time_limit` [s]; with `fresh` each gets a new process, for an FMU that lives only once in one.
-    With an FMU, which may take `limits`, each task gets its `FmuFile` as the first argument, opened
-    once in a process; without one time alone is limited.
+    Each task gets what `fmu` opens, once in a process, as its first argument; the FMU may take
+    `limits`. Without one time alone is limited.
     """
 
     def __init__(
         self,
         jobs: int,
         time_limit: float = TIME_LIMIT,
-        fmu: Path | None = None,
-        names: NameMap | None = None,
+        fmu: Callable[[], Any] | None = None,
         *,
         fresh: bool = False,
-        hooks: Sequence[Hook] = (),
-        own_starts: bool | None = None,
         limits: Limits = USUAL,
     ) -> None:
         self._jobs, self._limit, self._fresh = allowed(jobs), time_limit, fresh
         self._budget = limits.budget if fmu is not None else math.inf
         self._folder = tempfile.TemporaryDirectory(prefix="stickslip-", ignore_cleanup_errors=True)
-        opened = fmu and partial(FmuFile, fmu, names, hooks, own_starts=own_starts)
         memory = None if fmu is None else round(1e9 * limits.memory)
-        self._start = partial(Worker, _begin, (self._folder.name, opened), memory)
+        self._start = partial(Worker, _begin, (self._folder.name, fmu), memory)
         self._waiting: deque[_Task] = deque()
         self._idle: list[Worker] = []
         self._busy: dict[Worker, _Task] = {}
@@ -455,18 +451,18 @@ class Pool(contextlib.AbstractContextManager["Pool"]):
         return (self._lost + running) / max(1, len(self._busy) + len(self._idle))
 
 
-_OPENED: list[Callable[[], FmuFile]] = []  # opens the FMU of a worker, once
+_OPENED: list[Callable[[], Any]] = []  # opens the FMU of a worker, once
 
 
-def _begin(folder: str, opened: Callable[[], FmuFile] | None) -> None:
+def _begin(folder: str, fmu: Callable[[], Any] | None) -> None:
     tempfile.tempdir = folder
-    if opened is not None:
-        _OPENED.append(cache(opened))
+    if fmu is not None:
+        _OPENED.append(cache(fmu))
 
 
 def _answer(task: Task, *arguments: Any) -> Answer[Any]:
     return answer_of(lambda: task(*(opened() for opened in _OPENED), *arguments))
 
 
-def open_fmu(fmu: FmuFile) -> None:
+def open_fmu(_: object) -> None:
     """Do nothing with an FMU but open it."""

@@ -15,7 +15,7 @@ import math
 import re
 import tomllib
 from collections.abc import Mapping, Sequence
-from functools import cache
+from functools import cache, partial
 from pathlib import Path
 from typing import Final
 
@@ -176,8 +176,8 @@ def _tried(fmu: Path, scores: Mapping[Variable, float]) -> dict[Variable, int]:
     }
     best, without = _assigned(likely)
     nothing = NameMap(dict.fromkeys(UNITS, Target(NOT_THERE)))
-    limits = processes.Limits(budget=20.0)
-    with processes.Pool(processes.jobs_here(), fmu=fmu, names=nothing, limits=limits) as pool:
+    opened, limits = partial(FmuFile, fmu, nothing), processes.Limits(budget=20.0)
+    with processes.Pool(processes.jobs_here(), fmu=opened, limits=limits) as pool:
         return _Trial(pool, list(scores)).findings([best, *without.values()])
 
 

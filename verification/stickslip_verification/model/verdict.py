@@ -209,6 +209,11 @@ class CheckResult:
         return Outcome.PASS
 
     @property
+    def margin(self) -> float | None:
+        """Error over tolerance, see `margin`; None where the check does not apply."""
+        return None if self.not_applicable is not None else margin(self.error, self.tolerance)
+
+    @property
     def failed(self) -> bool:
         """Whether this result alone fails the verdict."""
         return self.verdict == Outcome.FAIL
@@ -413,13 +418,6 @@ def margin(error: float | None, tolerance: float) -> float:
     if tolerance == 0.0:
         return 0.0 if error == 0.0 else math.inf
     return error / tolerance
-
-
-def margin_of(result: CheckResult) -> float | None:
-    """Return the margin of a result, or None where its check does not apply."""
-    if result.not_applicable is not None:
-        return None
-    return margin(result.error, result.tolerance)
 
 
 def value_text(value: float | None, digits: int = 9) -> str:

@@ -20,7 +20,6 @@ from ..model.verdict import (
     Verdict,
     count,
     error_text,
-    margin_of,
     value_text,
 )
 
@@ -86,8 +85,8 @@ def environment(folder: Path = _TEMPLATES) -> Environment:
         "slug": lambda word: "-".join(str(word).lower().split()),
         "value": value_text,
         "error": error_text,
-        "margin": lambda result: error_text(margin_of(result)),
-        "farthest": lambda results: max(results, key=used, default=None),
+        "margin": lambda result: error_text(result.margin),
+        "farthest": lambda results: max(results, key=lambda r: r.margin or 0.0, default=None),
         "counts": count,
         "measure": measure,
         "story": story,
@@ -97,11 +96,6 @@ def environment(folder: Path = _TEMPLATES) -> Environment:
     made.tests["finite"] = math.isfinite
     made.globals |= {"kinds": KINDS, "sides": SIDES}
     return made
-
-
-def used(result: CheckResult) -> float:
-    """Return how much of its tolerance a result uses; 0 where its check does not apply."""
-    return margin_of(result) or 0.0
 
 
 def text_of(name: str, folder: Path = _TEMPLATES) -> Markup:

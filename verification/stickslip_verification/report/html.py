@@ -123,7 +123,7 @@ def failed_checks(verdict: Verdict, outcomes: Collection[Outcome]) -> list[Faile
     failed = [
         FailedCheck(
             check,
-            sorted(results, key=lambda numbered: -files.used(numbered[1])),
+            sorted(results, key=_unused),
             list(dict.fromkeys(result.case for _, result in results)),
         )
         for check, results in checks.items()
@@ -140,6 +140,10 @@ def failed_checks(verdict: Verdict, outcomes: Collection[Outcome]) -> list[Faile
         )
 
     return sorted(failed, key=rank)
+
+
+def _unused(numbered: Numbered) -> float:
+    return -(numbered[1].margin or 0.0)
 
 
 def _likeliest(
@@ -184,8 +188,8 @@ def _groups(verdict: Verdict) -> dict[str, list[CaseResults]]:
 
 def _nearest(verdict: Verdict) -> list[Numbered]:
     passed = [(n, r) for n, r in enumerate(verdict.checks) if r.verdict == Outcome.PASS]
-    most = sorted(passed, key=lambda numbered: -files.used(numbered[1]))[:NEAREST]
-    return [(number, result) for number, result in most if files.used(result) > 0.0]
+    most = sorted(passed, key=_unused)[:NEAREST]
+    return [(number, result) for number, result in most if result.margin]
 
 
 SHOWN = "default"

@@ -10,7 +10,7 @@ import platform
 import subprocess
 import tempfile
 from collections import Counter
-from collections.abc import Collection, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import closing
 from dataclasses import replace
@@ -71,14 +71,15 @@ def detect(
     progress: Progress = silent,
     *,
     whole: bool = True,
-    **opened: Any,
+    names: NameMap | None = None,
+    **limited: Any,
 ) -> KillMatrix:
     """Plant each fault in the FMU, verify the mutant, and collect the checks that it fails.
 
     Checks that fail only by the time limit do not count. A mutant that does not finish a case for
     another reason fails the check of that alone, since nothing was compared. Cases of more than
     `LONGEST` are left out; `MutantError` if no case is short enough. `jobs` mutants are tried at
-    once, each in a process of its own; `progress` counts them. ``opened`` are further arguments of
+    once, each in a process of its own; `progress` counts them. ``limited`` are further arguments of
     `processes.Pool`.
 
     Each mutant is tried on every check where the matrix is to be `whole`; else on what its
@@ -96,8 +97,13 @@ def detect(
         tempfile.TemporaryDirectory(prefix="stickslip-mutants-") as folder,
         ThreadPoolExecutor(processes.allowed(jobs)) as threads,
     ):
-        fixed = (fmu, experiment, Path(folder), opened, whole)
-        for row in threads.map(partial(_try, *fixed), mutants):
+
+        def pool_of(mutant: Mutant) -> processes.Pool:
+            planted, own = plant(fmu, mutant, Path(folder)), experiment.contract.interface
+            opened = partial(FmuFile, planted, names, mutant.hooks, own_starts=own)
+            return processes.Pool(1, TIME_LIMIT, opened, **limited)
+
+        for row in threads.map(lambda each: _try(each, experiment, pool_of, whole), mutants):
             rows.append(row)
             progress(f"planted fault: {row.mutant}", len(rows), len(mutants))
     columns = _columns(experiment)
@@ -108,12 +114,7 @@ def detect(
 
 
 def _try(
-    fmu: Path,
-    experiment: Experiment,
-    folder: Path,
-    opened: Mapping[str, Any],
-    whole: bool,
-    mutant: Mutant,
+    mutant: Mutant, experiment: Experiment, pool_of: Callable[[Mutant], processes.Pool], whole: bool
 ) -> Detection:
     wanted, contract = mutant.detected_by, experiment.contract
     failing: Mapping[str, int] = {}
@@ -121,8 +122,7 @@ def _try(
     try:
         # A numerical solution is judged over all cases, by what no fault names in advance.
         parts = [] if whole or contract.numerical else _foretold(mutant, experiment)
-        how = {"hooks": mutant.hooks, "own_starts": contract.interface, **opened}
-        with processes.Pool(1, TIME_LIMIT, plant(fmu, mutant, folder), **how) as pool:
+        with pool_of(mutant) as pool:
             for part in (*parts, experiment):
                 runs = run_all(pool, part)
                 # What fails for the time it took does not count.
@@ -301,23 +301,18 @@ def verify(
         of_sequences = [_from_the_start(case) for case in of_sequences]
     random = random_tests(of_sequences, invariants.sequences, jobs, numerical=held_to.numerical)
     experiment = Experiment(baseline, tried, held_to, random)
-    fresh = file.once_per_process
-    how: dict[str, Any] = {"names": names, "limits": limits}
-
-    def pool(jobs: int, *, fresh: bool) -> processes.Pool:
-        own = held_to.interface
-        return processes.Pool(jobs, time_limit, fmu, fresh=fresh, own_starts=own, **how)
-
+    opened = partial(FmuFile, fmu, names, own_starts=held_to.interface)
+    limited: dict[str, Any] = {"fresh": file.once_per_process, "limits": limits}
     quick = held_to.numerical and not full
     enough = (lambda plain: solution(baseline, plain).certain) if quick else None
-    with pool(jobs, fresh=fresh) as workers:
-        runs = run_all(workers, experiment, progress, enough)
-    with pool(1, fresh=True) as workers:
-        runs = repeat_failed(workers, runs)
+    with processes.Pool(jobs, time_limit, opened, **limited) as pool:
+        runs = run_all(pool, experiment, progress, enough)
+    with processes.Pool(1, time_limit, opened, **limited | {"fresh": True}) as pool:
+        runs = repeat_failed(pool, runs)
     kills = None
     if mutants:
         experiment = replace(experiment, invariants=of_faults)
-        how |= {"fresh": fresh, "whole": whole_matrix}
+        how = limited | {"names": names, "whole": whole_matrix}
         kills = detect(fmu, mutants, experiment, jobs, progress, **how)
     tables: list[Table] = []
     answered: list[Question] = []
@@ -394,7 +389,7 @@ def _try_to_open(
     """Refuse an FMU whose description cannot be read within limits: here there are none."""
     time_limit = max(time_limit, processes.TIME_LIMIT)
     limits = processes.Limits(2.0 * time_limit, limits.memory)
-    with processes.Pool(1, time_limit, fmu, names, limits=limits) as pool:
+    with processes.Pool(1, time_limit, partial(FmuFile, fmu, names), limits=limits) as pool:
         (opened,) = pool.each(processes.open_fmu, [()])
     # What `FmuFile` refuses, it refuses here too.
     if opened.failure is not None and not opened.failure.startswith(FmuError.__name__):

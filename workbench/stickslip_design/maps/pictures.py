@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip_verification.report.plots import STYLE
+from stickslip_verification.report.svg import STYLE
 
 from ..datasets import need
 from ..points.columns import Regime

@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 
 from stickslip_fmu.release import VERSION
 from stickslip_verification.report.files import environment, text_of
-from stickslip_verification.report.plots import STYLE, as_part
+from stickslip_verification.report.svg import STYLE, as_part
 
 from ..verdict import Verdict
 from . import plots, tables

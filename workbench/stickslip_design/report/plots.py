@@ -20,7 +20,7 @@ from matplotlib.ticker import (
     NullLocator,
 )
 
-from stickslip_verification.report.plots import BLUE, INK, ORANGE, STYLE
+from stickslip_verification.report.svg import BLUE, INK, ORANGE, STYLE
 
 from ..loop.response import Cut, Response
 from ..shown import EXACT, number, shown_in

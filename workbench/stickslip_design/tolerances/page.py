@@ -10,7 +10,7 @@ from markupsafe import Markup
 
 from stickslip_fmu.release import VERSION
 from stickslip_verification.report.files import environment, text_of
-from stickslip_verification.report.plots import STYLE, as_part
+from stickslip_verification.report.svg import STYLE, as_part
 
 from ..report.record import plain
 from . import words

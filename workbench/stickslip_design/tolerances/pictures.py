@@ -13,7 +13,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 from numpy.typing import NDArray
 
-from stickslip_verification.report.plots import BLUE, GREY, INK, ORANGE, STYLE
+from stickslip_verification.report.svg import BLUE, GREY, INK, ORANGE, STYLE
 
 from ..points.columns import Regime
 from ..shown import EXACT, number
