@@ -27,7 +27,7 @@ from stickslip_verification.judge.checks import PHYSICS_CONTRACT, of_invariant
 from stickslip_verification.model.verdict import Run
 from stickslip_verification.run import comparisons
 from stickslip_verification.run.comparisons import Plain, Solution
-from stickslip_verification.run.questions import Shown, cause
+from stickslip_verification.run.questions import cause
 from stickslip_verification.suite.cases import load_family
 from tests.conftest import thinned
 from tests.makers import plain
@@ -209,12 +209,12 @@ def test_a_cause_is_named_where_it_explains_all(
     base: str, fault: Callable[[Case], Case], said: str | None
 ) -> None:
     shown = {
-        case.id: Shown(case, ruler(case.id).exact.record, SOLVERS[base].run(fault(case)), "x")
+        case.id: Plain(case, ruler(case.id), SOLVERS[base].run(fault(case)), "x")
         for case in cases().values()
     }
     honest = runs_of(SOLVERS[base])
     raised = {
-        name: ruler(name).deviation(each.got).delta / ruler(name).deviation(honest[name]).delta
+        name: ruler(name).deviation(each.run).delta / ruler(name).deviation(honest[name]).delta
         for name, each in shown.items()
     }
     failed = sorted(raised, key=raised.__getitem__)[-2:]
@@ -235,7 +235,7 @@ def test_a_cause_is_named_where_it_explains_all(
 def test_what_an_output_shows_instead_is_named(other: Any, said: str | None) -> None:
     case, run = cases()["loaded"], runs_of(SOLVERS["RK45, 1e-06"])["loaded"]
     got = replace(run, outputs={**run.outputs, "F": other(run.outputs["F"])})
-    assert cause([Shown(case, ruler("loaded").exact.record, got, "F")], []) == said
+    assert cause([Plain(case, ruler("loaded"), got, "F")], []) == said
 
 
 def test_friction_that_is_regularised_is_named_with_its_creep() -> None:
@@ -250,7 +250,7 @@ def test_friction_that_is_regularised_is_named_with_its_creep() -> None:
     ends = case.times
     z, u = solve_ivp(rates, (0.0, ends[-1]), (0.0, 0.0), "LSODA", ends, max_step=1e-3).y
     outputs = {"x": p["v"] * np.array(ends) - z, "x_dot": u, "F": p["k"] * z}
-    shown = Shown(case, exact, replace(exact, outputs=outputs), "x")
+    shown = Plain(case, ruler("default"), replace(exact, outputs=outputs), "x")
     said = cause([shown], []) or ""
     assert said.startswith("friction is regularised: in stick the mass creeps at 2")  # 204 um/s/N
 

@@ -286,10 +286,8 @@ def stated_contract(root: ElementTree.Element) -> StatedContract:
     else:
         # What stands in an attribute, on one line and not endless.
         shortened = (" ".join(str(text).split())[:_LETTERS] for text in named[0][1:])
-        told = f"its description names {' '.join(shortened)}"
-        if exact:
-            return StatedContract(True, told)
-        told += f"; this suite knows {NAME} {VERSION}"
+        unlike = "" if exact else f"; this suite knows {NAME} {VERSION}"
+        return StatedContract(exact, f"its description names {' '.join(shortened)}{unlike}")
     return StatedContract(False, told)
 
 

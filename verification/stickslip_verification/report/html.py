@@ -23,7 +23,6 @@ from . import files, plots
 
 NO_MEANINGS: Mapping[str, Meaning] = MappingProxyType({})
 
-NEAREST = 10  # how many margins the page names
 ITSELF = "The FMU itself"  # the group of what is checked on the FMU and not on a motion
 SEQUENCES = "Random sequences"
 """The group of the random sequences, of which the page shows those that did not pass."""
@@ -80,7 +79,7 @@ def render(
         shown=_shown(pictures, failures),
         groups=_groups(verdict),
         sequences=SEQUENCES,
-        nearest=_nearest(verdict),
+        numbered=list(enumerate(verdict.checks)),
         full=full,
         style=files.text_of("style.css"),
         script=files.text_of("filter.js"),
@@ -123,7 +122,7 @@ def failed_checks(verdict: Verdict, outcomes: Collection[Outcome]) -> list[Faile
     failed = [
         FailedCheck(
             check,
-            sorted(results, key=_unused),
+            sorted(results, key=lambda numbered: -(numbered[1].margin or 0.0)),
             list(dict.fromkeys(result.case for _, result in results)),
         )
         for check, results in checks.items()
@@ -140,10 +139,6 @@ def failed_checks(verdict: Verdict, outcomes: Collection[Outcome]) -> list[Faile
         )
 
     return sorted(failed, key=rank)
-
-
-def _unused(numbered: Numbered) -> float:
-    return -(numbered[1].margin or 0.0)
 
 
 def _likeliest(
@@ -184,12 +179,6 @@ def _groups(verdict: Verdict) -> dict[str, list[CaseResults]]:
     for cases in groups.values():
         cases.sort(key=lambda case: (case.id != "default", not case.failed))
     return groups
-
-
-def _nearest(verdict: Verdict) -> list[Numbered]:
-    passed = [(n, r) for n, r in enumerate(verdict.checks) if r.verdict == Outcome.PASS]
-    most = sorted(passed, key=_unused)[:NEAREST]
-    return [(number, result) for number, result in most if result.margin]
 
 
 SHOWN = "default"

@@ -60,11 +60,17 @@ AS_MUCH: Final = 10.0
 
 @dataclass(frozen=True)
 class Plain:
-    """The plain run of a case, or of a random sequence, whose exact motion is known."""
+    """The plain run of a case, or of a random sequence, and the output that is off, if one is."""
 
     case: Case
     ruler: accuracy.Ruler
     run: Run
+    output: str = ""
+
+    @property
+    def exact(self) -> Run:
+        """The exact motion."""
+        return self.ruler.exact.record
 
     @cached_property
     def motion(self) -> accuracy.Deviation:

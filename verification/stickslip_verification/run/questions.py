@@ -18,7 +18,7 @@ import numpy as np
 from ..drive.processes import NOT_MADE
 from ..drive.solvers import SHARES, SOLVERS, Acceleration, Slider, Solver
 from ..judge import accuracy
-from ..model.verdict import LIKELIEST, SEQUENCE, CheckResult, Kind, Question, Run, Series, Table
+from ..model.verdict import LIKELIEST, SEQUENCE, CheckResult, Kind, Question, Series, Table
 from ..suite.cases import Case
 from ..suite.invariants import load_invariants
 from ..truth.course import BUILT_IN
@@ -44,17 +44,7 @@ Distance = tuple[float, float, float]
 """Of an output: its mean deviation, what a cause leaves of it, and its mean size."""
 
 
-@dataclass(frozen=True)
-class Shown:
-    """A run: its case, the exact motion, what the FMU did, and the output that is off."""
-
-    case: Case
-    exact: Run
-    got: Run
-    output: str = ""
-
-
-def cause(failures: Sequence[Shown], others: Sequence[Shown]) -> str | None:
+def cause(failures: Sequence[Plain], others: Sequence[Plain]) -> str | None:
     """Return in words the one cause that explains all failed runs, if there is one.
 
     ``others`` are the runs in which the FMU is right.
@@ -72,8 +62,8 @@ def cause(failures: Sequence[Shown], others: Sequence[Shown]) -> str | None:
             "friction is regularised: in stick the mass creeps at "
             f"{1e6 * float(np.median(creeps)):.2g} um/s per newton"
         )
-    failures = sorted(failures, key=lambda shown: shown.got.times[-1])
-    others = sorted(others, key=lambda shown: shown.got.times[-1])[:OTHERS]
+    failures = sorted(failures, key=lambda shown: shown.run.times[-1])
+    others = sorted(others, key=lambda shown: shown.run.times[-1])[:OTHERS]
     left = {}
     for words, model in _models():
         parts = (_left(_of_motion(shown, model)) for shown in failures)
@@ -91,26 +81,26 @@ def _left(distances: Sequence[Distance]) -> float:
     return max(parts, default=1.0) if np.all(np.isfinite(parts)) else 1.0
 
 
-def _contradicts(shown: Shown, model: Model) -> bool:
+def _contradicts(shown: Plain, model: Model) -> bool:
     """Whether a model moves otherwise than an FMU that is right."""
     distances = _of_motion(shown, model)
     return any(rest > _ALSO * off + _PART * size for off, rest, size in distances)
 
 
-def _of_motion(shown: Shown, model: Model) -> list[Distance]:
+def _of_motion(shown: Plain, model: Model) -> list[Distance]:
     """Return the distances of the motion from a model; nothing where that cannot be set so."""
     try:
         instead = model(shown.case).run().outputs
     except ValueError:
         return []
-    got, exact = shown.got.outputs, shown.exact.outputs
+    got, exact = shown.run.outputs, shown.exact.outputs
     rows = [(got[n] - exact[n], got[n] - instead[n], exact[n]) for n in SHARES if n in got]
     return [(_mean(off), _mean(rest), _mean(size)) for off, rest, size in rows]
 
 
-def _of_output(shown: Shown, instead: Callable[[Series, Shown], Series]) -> Distance:
+def _of_output(shown: Plain, instead: Callable[[Series, Plain], Series]) -> Distance:
     """Return the distances of an output from what would be right if it showed another one."""
-    got, exact = (run.outputs[shown.output] for run in (shown.got, shown.exact))
+    got, exact = (run.outputs[shown.output] for run in (shown.run, shown.exact))
     meant = np.isfinite(got) & np.isfinite(exact)
     off, rest, size = got - exact, instead(got, shown) - exact, exact
     return _mean(off[meant]), _mean(rest[meant]), _mean(size[meant])
@@ -120,12 +110,12 @@ def _mean(samples: Series) -> float:
     return float(np.mean(np.abs(samples))) if samples.size else 0.0
 
 
-def _creep(shown: Shown) -> float | None:
+def _creep(shown: Plain) -> float | None:
     """Return the speed over the force [m/(N s)] at which a mass creeps that should stick.
 
     0 where it does not creep in proportion to the force, None where it should hardly stick.
     """
-    got, exact = shown.got.outputs, shown.exact.outputs
+    got, exact = shown.run.outputs, shown.exact.outputs
     if not {"x_dot", "F"} <= set(got):
         return None
     sticks = (exact["mode"] == 0.0) & (got["F"] != 0.0)
@@ -207,7 +197,7 @@ STRUCTURES: Final[Mapping[str, Acceleration]] = {
 }
 """What models make of the equation of motion in slip."""
 
-_OUTPUTS: Final[Mapping[str, Callable[[Series, Shown], Series]]] = {
+_OUTPUTS: Final[Mapping[str, Callable[[Series, Plain], Series]]] = {
     "has the other sign": lambda got, _: -got,
     "has the other sign in backward motion": lambda got, of: np.where(
         of.exact.outputs["x_dot"] < 0.0, -got, got
@@ -221,7 +211,7 @@ _OUTPUTS: Final[Mapping[str, Callable[[Series, Shown], Series]]] = {
 """What would be right, from an output that shows something else."""
 
 
-def _damping(shown: Shown) -> Series:
+def _damping(shown: Plain) -> Series:
     now, forces = dict(shown.case.start), []
     for step, speed in zip(shown.case.steps, shown.exact.outputs["x_dot"], strict=True):
         now.update(step.changes)
@@ -410,16 +400,13 @@ def _telling(failed: Sequence[CheckResult]) -> str:
 
 
 def _likeliest(solved: Solution, failed: Sequence[CheckResult], runs: Runs) -> str:
-    shown = {
-        case: Shown(plain.case, plain.ruler.exact.record, plain.run)
-        for case, plain in solved.plain.items()
-    }
+    shown = dict(solved.plain)
     failing = {each.case for each in failed}
     others = [of for case, of in shown.items() if case not in failing]
     for test, answer in zip(runs.experiment.random, runs.random, strict=True):
         case, exact = test.baseline.case, test.baseline.exact.value
         if test.plain and exact is not None and answer.value is not None:
-            shown[case.id] = Shown(case, exact.record, answer.value)
+            shown[case.id] = Plain(case, accuracy.Ruler(exact, {}), answer.value)
     known = {name for name, of in shown.items() if of.case.law in BUILT_IN}
     ended = [
         each for each in failed if each.error is not None or (_plain(each) and each.case in shown)
