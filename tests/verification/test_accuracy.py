@@ -18,6 +18,7 @@ from stickslip_verification.drive.solvers import SOLVERS, Solver
 from stickslip_verification.judge.accuracy import (
     STANDS_OUT,
     Matched,
+    Plain,
     Ruler,
     large_offset,
     matched,
@@ -26,7 +27,6 @@ from stickslip_verification.judge.accuracy import (
 from stickslip_verification.judge.checks import PHYSICS_CONTRACT, of_invariant
 from stickslip_verification.model.verdict import Run
 from stickslip_verification.run import comparisons
-from stickslip_verification.run.comparisons import Plain, Solution
 from stickslip_verification.run.questions import cause
 from stickslip_verification.suite.cases import load_family
 from tests.conftest import thinned
@@ -64,6 +64,10 @@ def farthest(runs: Mapping[str, Run], but: str = "") -> float:
 
 def runs_of(solver: Solver) -> dict[str, Run]:
     return {name: solver.run(case) for name, case in cases().items()}
+
+
+def plainly(runs: Mapping[str, Run]) -> dict[str, Plain]:
+    return {name: Plain(cases()[name], ruler(name), run) for name, run in runs.items()}
 
 
 UNLIKE = {
@@ -139,7 +143,7 @@ def test_a_velocity_that_is_the_mean_of_a_step_is_not_that_of_the_motion(mean: b
         way, time = (np.diff(n, prepend=n[:1]) for n in (run.outputs["x"], run.times))
         off = changed(run, x_dot=way / np.where(time > 0.0, time, 1.0))
         plain[name] = Plain(cases()[name], ruler(name), off if mean else run)
-    assert Solution(plain).mismatched is mean
+    assert comparisons.Solution(plain).mismatched is mean
 
 
 Slide = type[solvers.Slider]
@@ -268,7 +272,7 @@ def moved() -> Mapping[tuple[str, str], Any]:
 def test_a_parameter_that_acts_as_another_value_is_named_with_it(name: str, part: float) -> None:
     wrong = scaled(**{name: 1.0 + part})
     runs = {each: SOLVERS["RK45, 1e-06"].run(wrong(case)) for each, case in cases().items()}
-    found = wrong_parameter({each: ruler(each) for each in runs}, runs, moved())
+    found = wrong_parameter(plainly(runs), moved())
     assert found is not None
     assert found.name == name
     assert found.part == pytest.approx(part, rel=0.05)
@@ -281,8 +285,7 @@ def test_an_offset_that_no_motion_is_linear_in_is_named_too(name: str, part: flo
     wrong = scaled(**{name: 1.0 + part})
     solver = SOLVERS["semi-implicit Euler, 1 ms"]
     runs = {each: solver.run(wrong(case)) for each, case in cases().items()}
-    rulers = {each: ruler(each) for each in runs}
-    found = large_offset(rulers, runs, [*cases().values()], moved())
+    found = large_offset(plainly(runs), moved())
     assert found is not None
     assert found.name == name
     assert found.part == pytest.approx(part, rel=0.05)
@@ -293,9 +296,9 @@ def test_an_offset_that_no_motion_is_linear_in_is_named_too(name: str, part: flo
 def test_a_load_that_is_off_is_named_though_it_matters_in_three_cases(part: float) -> None:
     few = [case for case in load_cases() if case.id in ("lightened", "loaded", "load-pulses")]
     solver, wrong = SOLVERS["semi-implicit Euler, 1 ms"], scaled(load=1.0 + part)
-    runs = {case.id: solver.run(wrong(case)) for case in few}
     rulers = {of.id: Ruler(kept(exact_motion, of), kept(spreads, of)) for of in few}
-    found = large_offset(rulers, runs, few, {(of.id, name) for of in few for name in changes(of)})
+    runs = {of.id: Plain(of, rulers[of.id], solver.run(wrong(of))) for of in few}
+    found = large_offset(runs, {(of.id, name) for of in few for name in changes(of)})
     assert (found is not None) == (part != 0.0)
     if found is not None:
         assert found.name == "load"
@@ -309,10 +312,9 @@ ROUGH = ("Heun, 1 in a step", "BDF, 0.0001", "switch model, 0.01 mm/s")
 @pytest.mark.parametrize("name", thinned(SOLVERS, 11))
 def test_the_errors_of_an_honest_solver_are_no_wrong_parameter(name: str) -> None:
     runs = runs_of(SOLVERS[name])
-    rulers = {each: ruler(each) for each in runs}
-    assert wrong_parameter(rulers, runs, moved()) is None
+    assert wrong_parameter(plainly(runs), moved()) is None
     if name in ROUGH:
-        assert large_offset(rulers, runs, [*cases().values()], moved()) is None
+        assert large_offset(plainly(runs), moved()) is None
 
 
 @pytest.mark.gate

@@ -21,7 +21,6 @@ import pytest
 from stickslip_verification import Case, FmuError, Limits, verify
 from stickslip_verification.drive import FmuFile, processes
 from stickslip_verification.drive.masters import run_case
-from stickslip_verification.drive.processes import Answer
 from stickslip_verification.model.verdict import Run
 from tests.makers import SLIDER, altered, edited, misbehaving
 from tests.python import run
@@ -35,7 +34,7 @@ def short(steps: int) -> Case:
     return replace(named("default"), steps=named("default").steps[:steps])
 
 
-def plain(pool: processes.Pool, *cases: Case) -> list[Answer[Run]]:
+def plain(pool: processes.Pool, *cases: Case) -> list[processes.Answer[Run]]:
     return list(pool.each(run_case, [(case,) for case in cases]))
 
 
@@ -209,7 +208,7 @@ def test_only_runs_without_a_result_spend_the_budget() -> None:
     with processes.Pool(1, fmu=opened, limits=Limits(budget=8.0)) as pool:
         for _ in range(3):
             (answer,) = pool.each(slow, [(3.0,)])
-            assert answer == Answer(3.0)
+            assert answer == processes.Answer(3.0)
         (late,) = pool.each(slow, [(60.0,)])
     assert late.late
 

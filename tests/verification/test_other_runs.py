@@ -14,7 +14,6 @@ from stickslip_verification.drive.description import Target
 from stickslip_verification.drive.masters import NotApplicableError, run_case
 from stickslip_verification.drive.other_runs import RUNS
 from stickslip_verification.drive.processes import Answer
-from stickslip_verification.judge.accuracy import Band
 from stickslip_verification.judge.checks import (
     EXACT_CONTRACT,
     PHYSICS_CONTRACT,
@@ -22,6 +21,7 @@ from stickslip_verification.judge.checks import (
     of_invariant,
     same_run,
 )
+from stickslip_verification.judge.course import Band
 from stickslip_verification.model.quantities import OUTPUT_NAMES
 from stickslip_verification.model.verdict import Run
 from stickslip_verification.suite.cases import Case

@@ -319,11 +319,11 @@ def _resident() -> int:
     return (resident - shared) * _PAGE
 
 
-Question = Callable[..., list[str]]
+Probing = Callable[..., list[str]]
 
-_IN_A_FRESH_PROCESS: tuple[Question, ...] = (state_in_a_fresh_process, elsewhere, keeps_memory)
+_IN_A_FRESH_PROCESS: tuple[Probing, ...] = (state_in_a_fresh_process, elsewhere, keeps_memory)
 
-_PROBES: tuple[Question, ...] = (
+_PROBES: tuple[Probing, ...] = (
     calls.declared_variables,
     calls.declared,
     calls.refuses,
@@ -337,7 +337,7 @@ _PROBES: tuple[Question, ...] = (
     *_IN_A_FRESH_PROCESS,
 )
 
-PROBES: Mapping[str, Question] = {probe.__name__: probe for probe in _PROBES}
+PROBES: Mapping[str, Probing] = {probe.__name__: probe for probe in _PROBES}
 """What an invariant can name as ``probe``: a function of the FMU and of the probe's arguments."""
 OF_NUMERICAL = frozenset({calls.keeps_its_cycle.__name__})
 """The probes of numerical solutions; the exact block meets long cases in their stead."""

@@ -11,6 +11,8 @@ from ..model.quantities import OUTPUTS, Quantity
 from ..model.units import spelled
 from ..model.verdict import Run
 from ..truth.parameters import PARAMETERS, Parameter
+from .description import Variable
+from .exact import kept, run_reference
 from .instance import FmuFile
 from .masters import (
     CommunicationStep,
@@ -263,3 +265,18 @@ RUNS: Mapping[str, Way] = {
 def other_run(fmu: FmuFile, case: Case, run: str) -> Run:
     """Drive an FMU through a case in another way of `RUNS`."""
     return RUNS[run](fmu, case)
+
+
+def trial_run(
+    fmu: FmuFile, setting: Setting, variables: Mapping[str, Variable], names: Sequence[str]
+) -> Run:
+    """Drive an FMU through a setting, and read `names`, by `variables` under any names."""
+    fmu.variables = variables
+    master = Master(fmu, setting)
+    master.names = names
+    return master.run()
+
+
+def reference_run(_: FmuFile, case: Case) -> Run:
+    """Run a case with the reference, where the FMU runs."""
+    return kept(run_reference, case)

@@ -42,9 +42,9 @@ from .description import (
     looks_like,
     shown,
 )
-from .exact import kept, run_reference
 from .instance import FLOATING, REQUIRED, FmuFile
-from .masters import CommunicationStep, Master, Setting
+from .masters import CommunicationStep, Setting
+from .other_runs import reference_run, trial_run
 
 _ALL_SAID: Final = 20.0
 """What it counts that name, description and unit say all that a quantity needs, and the name no
@@ -300,20 +300,6 @@ def _plain(text: str) -> str:
     return "".join(letter if letter.isprintable() else " " for letter in text)
 
 
-def _run(
-    fmu: FmuFile, setting: Setting, variables: Mapping[str, Variable], names: Sequence[str]
-) -> Run:
-    """Run an FMU through a setting, by `variables` under any names."""
-    fmu.variables = variables
-    master = Master(fmu, setting)
-    master.names = names
-    return master.run()
-
-
-def _reference(_: FmuFile, case: Case) -> Run:
-    return kept(run_reference, case)
-
-
 class _Trial:
     def __init__(self, pool: processes.Pool, fitting: Sequence[Variable]) -> None:
         self.pool = pool
@@ -362,14 +348,14 @@ class _Trial:
             last = {v.their_name: f"{v.name} = {v.their_name}" for v in each}
             settings = {key: each[self.variables[key]] for key in last.values()}
             asked.append((Setting(settings, _STEPS), self.variables, names))
-        return [answer.value for answer in self.pool.each(_run, asked)]
+        return [answer.value for answer in self.pool.each(trial_run, asked)]
 
     def _gaps(self, run: Run | None, values: Mapping[str, float]) -> Gaps:
         """Return the gaps of a run to the reference with these values; none without a run."""
         key = tuple(sorted(values.items()))
         if key not in self.motions:
             case = Case("trial", "", "", values, _STEPS, (), Path())
-            self.motions[key] = next(self.pool.each(_reference, [(case,)])).value
+            self.motions[key] = next(self.pool.each(reference_run, [(case,)])).value
         motion = self.motions[key]
         if run is None or motion is None:
             return {}

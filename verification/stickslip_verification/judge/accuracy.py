@@ -18,121 +18,11 @@ from numpy.typing import NDArray
 
 from ..drive.exact import OFF, Exact, shifted
 from ..drive.solvers import LATE
-from ..model.quantities import OUTPUTS, QUANTITIES
-from ..model.verdict import Run, Series, Transition
+from ..model.quantities import QUANTITIES
+from ..model.verdict import Run, Series
 from ..suite.cases import Case
 from ..truth import COULOMB_NAME
-
-Mask = NDArray[np.bool_]
-
-_METER = (
-    *("delta_x", "spring_drop", "t_stick", "t_slip", "T", "f", "x_dot_peak"),
-    *("n_slips", "t_event"),
-)
-"""Outputs of the meter, whose beginning is a matter of agreement."""
-
-
-@dataclass(frozen=True)
-class Band:
-    """What a run of a case is compared with at each point, with what was ``agreed`` on or not."""
-
-    exact: Exact
-    agreed: bool = False
-
-    def judged(self, quantity: str) -> Mask:
-        """Return the points at which a quantity is physics."""
-        meant = [self._meant(output) for output in QUANTITIES[quantity].needs]
-        finite = np.isfinite(self._samples(quantity, self.exact.record))
-        return np.asarray(finite & np.all(meant, axis=0))
-
-    def pair(self, quantity: str, run: Run) -> tuple[NDArray[np.intp], Series, Series, Mask]:
-        """Return a quantity in the exact motion and in a run, at the points that the run has.
-
-        First the indices of these points, last where the quantity is physics. Slips are counted
-        from the first event where the start counts none: NaN before, and everywhere in a run that
-        does not have that point.
-        """
-        read = np.minimum(np.searchsorted(self._times, run.times), self._times.size - 1)
-        expected = self._samples(quantity, self.exact.record)[read]
-        got = self._samples(quantity, run)
-        if quantity == "x_pull" and not self.agreed and read.size > 1:
-            # Where the pulled end is counted from is a matter of agreement.
-            expected, got = expected - expected[0], got - got[0]
-        if quantity == "n_slips" and self._starts_in_motion and not self.agreed:
-            first = np.flatnonzero(self._meant(quantity))[:1]
-            base = np.flatnonzero(np.isin(read, first))
-            expected = expected - (expected[base] if base.size else np.nan)
-            got = got - (got[base] if base.size else np.nan)
-        return read, expected, got, self.judged(quantity)[read] & np.isfinite(expected)
-
-    def _samples(self, quantity: str, run: Run) -> Series:
-        with np.errstate(all="ignore"):
-            samples = QUANTITIES[quantity].compute(run.outputs, self.exact.start)
-        return np.asarray(samples, dtype=np.float64)
-
-    def largest(self, quantity: str) -> float:
-        """Return the largest value in play of what has the unit of a quantity, in that unit."""
-        unit = QUANTITIES[quantity].unit
-        alike = [each.name for each in OUTPUTS if each.unit == unit != "1"] or [quantity]
-        values = [self._samples(name, self.exact.record) for name in alike]
-        values += [self._pull] if unit == "m/s" else [self._times] if unit == "s" else []
-        return float(max(np.max(np.abs(v[np.isfinite(v)]), initial=0.0) for v in values))
-
-    @property
-    def _pull(self) -> Series:
-        """Mean speed of the pulled end over each step [m/s]."""
-        record = self.exact.record
-        places = np.concatenate(([record.initial["x_pull"]], record.outputs["x_pull"]))
-        return np.asarray(np.diff(places) / np.diff(np.concatenate(([0.0], self._times))))
-
-    @property
-    def _times(self) -> Series:
-        return self.exact.record.times
-
-    def _meant(self, output: str) -> Mask:
-        """Return the points at which an output is physics, and not what our meter agreed on.
-
-        That is whether a start in motion is a slip, the first stick a stick, and a reversal a
-        break-away.
-        """
-        if self.agreed or output not in _METER:
-            return np.ones(self._times.size, dtype=np.bool_)
-        breaks = self._happened(Transition.BREAK_AWAY)
-        if output in ("T", "f"):
-            return self._cycled(breaks, 2)
-        if output == "t_stick":
-            return self._cycled(breaks, 1)
-        if output == "t_event":
-            return np.asarray(self._times > np.min(self._happened(*Transition), initial=np.inf))
-        ends = self._happened(Transition.RE_STICK, Transition.REVERSAL)
-        if output == "n_slips":
-            began = 0.0 if self._starts_in_motion else -np.inf
-        else:
-            began = float(np.min(breaks, initial=np.inf))
-        first = np.min(ends[ends > began], initial=np.inf)
-        whole = output == "n_slips" and not self._starts_in_motion
-        return np.asarray(whole | (self._times > first))
-
-    def _cycled(self, breaks: Series, back: int) -> Mask:
-        """Return the points after two break-aways at least, the last `back` without a reversal."""
-        # A break-away that a change brings about shows after the next step.
-        count = np.searchsorted(breaks, self._times)
-        since = np.append(breaks, np.inf)[np.where(count >= 2, count - back, -1)]
-        reversals = self._happened(Transition.REVERSAL)
-        turned = np.searchsorted(reversals, self._times) > np.searchsorted(reversals, since)
-        return np.asarray((count >= 2) & ~turned)
-
-    def _happened(self, *kinds: Transition) -> Series:
-        """Return the times of these transitions [s], those at the very start left out."""
-        events = self.exact.events
-        return np.array([each.time for each in events if each.kind in kinds and each.time > 0.0])
-
-    @property
-    def _starts_in_motion(self) -> bool:
-        first = self.exact.events[0] if self.exact.events else None
-        at_once = first is not None and first.time == 0.0
-        return at_once or self.exact.start["x_dot_start"] != 0.0
-
+from .course import Band, Mask
 
 MOTION: Final = ("x", "x_dot")
 """The outputs that delta is taken from; the spring force where the FMU has neither."""
@@ -363,6 +253,63 @@ def _deltas(error: Series, columns: Series, limit: float) -> Series:
 
 
 @dataclass(frozen=True)
+class Plain:
+    """The plain run of a case, or of a random sequence, and the output that is off, if one is."""
+
+    case: Case
+    ruler: Ruler
+    run: Run
+    output: str = ""
+
+    @property
+    def exact(self) -> Run:
+        """The exact motion."""
+        return self.ruler.exact.record
+
+    @cached_property
+    def motion(self) -> Deviation:
+        """Delta of the motion."""
+        return self.ruler.deviation(self.run)
+
+    def of(self, output: str) -> float:
+        """Return the delta of one output, at least `FLOOR`."""
+        return max(self.ruler.deviation(self.run, [output]).delta, FLOOR)
+
+    @cached_property
+    def has_area(self) -> bool:
+        """Whether there are slips, points enough in them, and an area."""
+        slips = self.ruler.exact.facts.slips
+        return slips >= _SLIPS and self._read.size >= _POINTS and 0.0 < self._area < np.inf
+
+    def left(self, name: str, part: float) -> float:
+        """Return how much of the area is left if a parameter is larger by a part."""
+        try:
+            return self._area_to(shifted(self.case, name, part)) / self._area
+        except ValueError:
+            # The case does not allow it: the mass would lift off.
+            return 1.0
+
+    @cached_property
+    def _read(self) -> NDArray[np.intp]:
+        read = np.searchsorted(self.exact.times, self.run.times)
+        return read[self.exact.outputs["n_slips"][read] < _SLIPS]
+
+    @cached_property
+    def _area(self) -> float:
+        return self._area_to(self.exact)
+
+    def _area_to(self, motion: Run) -> float:
+        """Return the area between the run and a motion over the first slips."""
+        size = self._read.size
+        return sum(
+            float(np.mean(np.abs(self.run.outputs[name][:size] - motion.outputs[name][self._read])))
+            / (self.ruler.band.largest(name) or 1.0)
+            for name in ("x", "F")
+            if name in self.run.outputs
+        )
+
+
+@dataclass(frozen=True)
 class Matched:
     """The honest solvers that an FMU is most like, ``solver`` the most.
 
@@ -407,9 +354,7 @@ class WrongParameter:
 
 
 def wrong_parameter(
-    rulers: Mapping[str, Ruler],
-    runs: Mapping[str, Run],
-    changes: Mapping[tuple[str, str], Mapping[str, Series]],
+    runs: Mapping[str, Plain], changes: Mapping[tuple[str, str], Mapping[str, Series]]
 ) -> WrongParameter | None:
     """Return the parameter whose wrong value explains the runs of an FMU, if there is one.
 
@@ -418,9 +363,8 @@ def wrong_parameter(
     """
     found = []
     for name in dict.fromkeys(name for _, name in changes):
-        of = {case: changes[case, name] for case in runs if (case, name) in changes}
-        fits = [_offset(rulers[case], runs[case], change) for case, change in of.items()]
-        known = [fit for fit in fits if fit is not None]
+        of = [(run, changes[case, name]) for case, run in runs.items() if (case, name) in changes]
+        known = [fit for run, change in of if (fit := _offset(run, change)) is not None]
         if len(known) < _ENOUGH:
             continue
         offsets, left = np.array(known).T
@@ -430,15 +374,16 @@ def wrong_parameter(
     return min(found, key=lambda each: each[0])[1] if found else None
 
 
-def _offset(ruler: Ruler, run: Run, change: Mapping[str, Series]) -> tuple[float, float] | None:
+def _offset(plain: Plain, change: Mapping[str, Series]) -> tuple[float, float] | None:
     """Return the part by which a parameter is off that fits a run, and what that leaves behind."""
+    ruler, got, exact = plain.ruler, plain.run.outputs, plain.exact.outputs
     errors, moved = [], []
     for name, by in change.items():
         largest = ruler.band.largest(name)
-        if name not in run.outputs or not largest:
+        if name not in got or not largest:
             continue
         near = SPREAD * ruler.spreads[name][_NEAR] <= SATURATED * largest
-        errors.append(((run.outputs[name] - ruler.exact.record.outputs[name]) / largest)[near])
+        errors.append(((got[name] - exact[name]) / largest)[near])
         moved.append((by / largest)[near])
     error, move = np.concatenate([[], *errors]), np.concatenate([[], *moved])
     if not np.all(np.isfinite(error)) or np.max(np.abs(move), initial=0.0) < _MOVES:
@@ -449,10 +394,7 @@ def _offset(ruler: Ruler, run: Run, change: Mapping[str, Series]) -> tuple[float
 
 
 def large_offset(
-    rulers: Mapping[str, Ruler],
-    runs: Mapping[str, Run],
-    cases: Sequence[Case],
-    names: Collection[tuple[str, str]],
+    runs: Mapping[str, Plain], names: Collection[tuple[str, str]]
 ) -> WrongParameter | None:
     """Return the parameter that is off by `LARGE` or more and explains the runs, if there is one.
 
@@ -461,12 +403,11 @@ def large_offset(
     the parameters that matter, by case. It takes hundreds of exact motions, so only cases of
     Coulomb's law count, whose motions are quick.
     """
-    quick = sorted(cases, key=lambda case: len(case.steps))
-    areas = [_Area(of, rulers[of.id], runs[of.id]) for of in quick if of.law == COULOMB_NAME]
-    usable = [area for area in areas if area.usable]
+    quick = sorted(runs.values(), key=lambda run: len(run.case.steps))
+    usable = [run for run in quick if run.case.law == COULOMB_NAME and run.has_area]
     found: list[tuple[float, WrongParameter]] = []
     for name in dict.fromkeys(name for _, name in names):
-        of = [area for area in usable if (area.case.id, name) in names][:_SHORTEST]
+        of = [run for run in usable if (run.case.id, name) in names][:_SHORTEST]
         few, of_all = partial(_left, name, of[:_ENOUGH]), partial(_left, name, of)
         # What brings no motion nearer when it is small brings none nearer when it is large.
         if len(of) < _FEW or min(map(few, _OFFSETS[:2])) >= 1.0:
@@ -481,48 +422,6 @@ def large_offset(
     return min(found, key=lambda each: each[0])[1] if found else None
 
 
-def _left(name: str, areas: "Sequence[_Area]", part: float) -> float:
+def _left(name: str, runs: Sequence[Plain], part: float) -> float:
     """Return what a parameter that is larger by a part leaves of the areas in the middle case."""
-    return float(np.median([area.left(name, part) for area in areas]))
-
-
-@dataclass(frozen=True)
-class _Area:
-    """The area between a run of a case and exact motions over its first slips."""
-
-    case: Case
-    ruler: Ruler
-    run: Run
-
-    @cached_property
-    def usable(self) -> bool:
-        """Whether there are slips, points enough in them, and an area."""
-        slips = self.ruler.exact.facts.slips
-        return slips >= _SLIPS and self._read.size >= _POINTS and 0.0 < self._whole < np.inf
-
-    def left(self, name: str, part: float) -> float:
-        """Return how much of the area is left if a parameter is larger by a part."""
-        try:
-            return self._of(shifted(self.case, name, part)) / self._whole
-        except ValueError:
-            # The case does not allow it: the mass would lift off.
-            return 1.0
-
-    @cached_property
-    def _read(self) -> NDArray[np.intp]:
-        exact = self.ruler.exact.record
-        read = np.searchsorted(exact.times, self.run.times)
-        return read[exact.outputs["n_slips"][read] < _SLIPS]
-
-    @cached_property
-    def _whole(self) -> float:
-        return self._of(self.ruler.exact.record)
-
-    def _of(self, motion: Run) -> float:
-        size = self._read.size
-        return sum(
-            float(np.mean(np.abs(self.run.outputs[name][:size] - motion.outputs[name][self._read])))
-            / (self.ruler.band.largest(name) or 1.0)
-            for name in ("x", "F")
-            if name in self.run.outputs
-        )
+    return float(np.median([run.left(name, part) for run in runs]))

@@ -29,8 +29,7 @@ from ..model.verdict import (
 from ..suite.cases import At, Case, Check
 from ..suite.invariants import Agreement, Invariant, Order, Probe, ResidualInvariant, RunInvariant
 from ..suite.tolerances import DISTURBED
-from .accuracy import Band
-from .course import CheckError, Course, LackingError, Residual
+from .course import Band, CheckError, Course, LackingError, Residual
 from .metrics import METRICS
 
 Wanted = Literal["exact", "physics"]

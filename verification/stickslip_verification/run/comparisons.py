@@ -18,6 +18,7 @@ from ..drive.exact import Exact
 from ..drive.processes import Answer
 from ..drive.solvers import SOLVERS, Solver
 from ..judge import accuracy, checks
+from ..judge.accuracy import Plain
 from ..model.quantities import OUTPUT_NAMES
 from ..model.verdict import CheckResult, Run
 from ..suite.cases import Case, load_family
@@ -56,30 +57,6 @@ TOO_STIFF: Final = "the block is too stiff here for steps so long"
 CERTAIN: Final = 3  # cases that stand out from which on the model is wrong, whatever else is tried
 AS_MUCH: Final = 10.0
 """How many times the delta of the plain run the run of other steps may have (measured: up to 5)."""
-
-
-@dataclass(frozen=True)
-class Plain:
-    """The plain run of a case, or of a random sequence, and the output that is off, if one is."""
-
-    case: Case
-    ruler: accuracy.Ruler
-    run: Run
-    output: str = ""
-
-    @property
-    def exact(self) -> Run:
-        """The exact motion."""
-        return self.ruler.exact.record
-
-    @cached_property
-    def motion(self) -> accuracy.Deviation:
-        """Delta of the motion."""
-        return self.ruler.deviation(self.run)
-
-    def of(self, output: str) -> float:
-        """Return the delta of one output, at least `FLOOR`."""
-        return max(self.ruler.deviation(self.run, [output]).delta, accuracy.FLOOR)
 
 
 @dataclass(frozen=True)

@@ -18,12 +18,13 @@ import numpy as np
 from ..drive.processes import NOT_MADE
 from ..drive.solvers import SHARES, SOLVERS, Acceleration, Slider, Solver
 from ..judge import accuracy
+from ..judge.accuracy import Plain
 from ..model.verdict import LIKELIEST, SEQUENCE, CheckResult, Kind, Question, Series, Table
 from ..suite.cases import Case
 from ..suite.invariants import load_invariants
 from ..truth.course import BUILT_IN
 from ..truth.parameters import CHANGEABLE
-from .comparisons import FEW, Plain, Solution, as_large, output_of, place_of
+from .comparisons import FEW, Solution, as_large, output_of, place_of
 from .experiment import Runs
 
 EXPLAINS: Final = 0.1  # most of the mean deviation that a cause may leave
@@ -289,14 +290,11 @@ def questions(
         for each in runs.experiment.baseline
         for name, moved in (each.changes.value or {}).items()
     }
-    rulers = {case: plain.ruler for case, plain in solved.plain.items()}
-    plain = {case: of.run for case, of in solved.plain.items()}
     middle = float(np.median([of.motion.delta for of in solved.plain.values()] or [0.0]))
-    wrong = accuracy.wrong_parameter(rulers, plain, changes)
+    wrong = accuracy.wrong_parameter(solved.plain, changes)
     # So near to the exact motion an FMU has no parameter that is so far off.
     if wrong is None and middle > accuracy.LARGE / accuracy.STANDS_OUT:
-        cases = [of.case for of in solved.plain.values()]
-        wrong = accuracy.large_offset(rulers, plain, cases, changes)
+        wrong = accuracy.large_offset(solved.plain, changes)
     if wrong is not None and abs(wrong.part) <= max(accuracy.LEAST * accuracy.STANDS_OUT, 1e-9):
         # It is no more than the error of the solver.
         wrong = None
