@@ -15,10 +15,8 @@ from pathlib import Path
 
 from benchmarks.settings import Busy
 from stickslip_design.chunks.executors import Processes, Workers, cluster
-from stickslip_design.chunks.manifest import STUDY, begun, key_of, manifest_of
-from stickslip_design.chunks.store import store_of
-from stickslip_design.chunks.study import Chunk
-from stickslip_design.chunks.work import Done, compute, work
+from stickslip_design.chunks.store import Chunk, store_of
+from stickslip_design.chunks.work import STUDY, Done, begun, compute, key_of, manifest_of, work
 
 CHUNKS = 1000
 AHEAD = 8

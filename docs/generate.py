@@ -21,7 +21,7 @@ from fmi.model import Spec
 from fmi.table import Variable
 from stickslip import build
 from stickslip_design.axis.keys import BY_SECTION, SECTIONS
-from stickslip_design.axis.template import example
+from stickslip_design.axis.read import example
 from stickslip_fmu.laws.named import BUILT_IN, COULOMB_NAME, friction_law
 from stickslip_fmu.spec import TABLE, spec_of
 from stickslip_verification import (

@@ -13,11 +13,10 @@ from threadpoolctl import threadpool_info, threadpool_limits
 from stickslip_design.axis import Axis, Filter, Friction, low_pass, notch
 from stickslip_design.critical import rigid_critical_feed
 from stickslip_design.loop import system as matrices
-from stickslip_design.loop.hunting import hunting
 from stickslip_design.loop.jumps import jump_at, limit_of_jumps
 from stickslip_design.loop.motion import Motion, Point, walk
 from stickslip_design.loop.response import open_loop
-from stickslip_design.loop.rest import Start
+from stickslip_design.loop.rest import Start, hunting
 from stickslip_design.loop.stability import gain_limits, is_stable, swing
 from stickslip_design.loop.system import Mode, System
 from tests.design.axes import SERVO, driven

@@ -11,8 +11,8 @@ import pytest
 from numpy.typing import NDArray
 
 from examples.feed_axis.whole_loop import Trajectory, solve
-from stickslip_design.loop.hunting import hunting
 from stickslip_design.loop.jumps import jump_at
+from stickslip_design.loop.rest import hunting
 from stickslip_ref import Parameters, steady_cycle
 from tests.fmu.blocks import make_block
 

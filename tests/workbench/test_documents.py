@@ -13,7 +13,7 @@ from examples.feed_axis.system import Move, build_all
 from stickslip_design.axis import Axis, axis_of, example, read_axis_file
 from stickslip_design.axis.keys import KEYS
 from stickslip_design.critical import critical_feed
-from stickslip_design.loop.hunting import hunting
+from stickslip_design.loop.rest import hunting
 from stickslip_design.report.tables import standing
 from stickslip_design.study import design
 from stickslip_ref import Parameters, steady_cycle

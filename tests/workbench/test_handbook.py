@@ -12,7 +12,7 @@ import pytest
 from PIL import Image
 
 from stickslip.handbook import parts
-from stickslip.handbook.icon import icon
+from stickslip.handbook.parts import icon
 from stickslip.page import page
 from stickslip_fmu.spec import TABLE
 

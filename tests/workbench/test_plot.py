@@ -14,9 +14,8 @@ from stickslip.errors import CommandError
 from stickslip.parameters import Parameters
 from stickslip.runs.engines import Experiment, simulate_reference
 from stickslip.runs.run import Run, fitting_interval, sample_times
-from stickslip.show.curve import curve, stick_phases
-from stickslip.show.plot import figure, write_plot
-from stickslip.show.scales import FORCES, LENGTHS, scale_for
+from stickslip.show.plot import curve, figure, stick_phases, write_plot
+from stickslip_design.shown import scale_for
 from stickslip_verification import events_between
 
 
@@ -127,5 +126,5 @@ def test_the_suffix_says_the_format_and_a_run_gives_the_same_bytes(
     ("value", "unit"), [(0.0, "m"), (3.0, "m"), (-0.2, "mm"), (5e-6, "µm"), (1e-12, "nm")]
 )
 def test_a_length_is_shown_in_the_largest_unit_that_it_fills(value: float, unit: str) -> None:
-    assert scale_for(value, LENGTHS).symbol == unit
-    assert scale_for(4905.0, FORCES).symbol == "kN"
+    assert scale_for(value, "m").symbol == unit
+    assert scale_for(4905.0, "N").symbol == "kN"

@@ -9,7 +9,8 @@ import fmpy
 import pytest
 from fmpy.util import write_csv
 
-from stickslip.commands.running import computed
+from stickslip.commands.expanded import Computing
+from stickslip.commands.shared import computed
 from stickslip.page import page
 from stickslip_design import chunks
 from stickslip_design.axis import example, template
@@ -185,7 +186,7 @@ def test_more_than_a_billion_points_are_computed_if_that_is_meant_and_a_note_is_
             progress(chunks.Progress(done, 9, 0, 1.0, note="no workers: waiting"))
 
     monkeypatch.setattr(chunks, "run", run)
-    computed(Toy(10**9 + 1), None, described="Computing", yes=True)
+    computed(Toy(10**9 + 1), None, Computing(yes=True), "Computing")
     assert asked == [10**9 + 1]
     assert capsys.readouterr().err == "stickslip: no workers: waiting\n"
 
@@ -221,7 +222,7 @@ def test_a_design_is_a_summary_a_report_and_json(
     expected = ("judders", verdicts.rigid().critical_feed)
     assert (found["standing"], found["critical_feed"]) == expected
     # A report that cannot be made leaves the old one.
-    monkeypatch.setattr("stickslip_design.report.record.plain", lambda verdict: 1 / 0)
+    monkeypatch.setattr("stickslip_design.report.page.plain", lambda verdict: 1 / 0)
     assert command("design", "axis.toml", "--json", "other.json").code == 70
     assert Path("axis.html").read_text(encoding="utf-8") == written
     assert not Path("other.json").exists()

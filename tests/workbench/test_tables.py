@@ -9,10 +9,8 @@ from rich.console import Console, RenderableType
 
 from stickslip.library import simulate
 from stickslip.runs.engines import reference_parameters
-from stickslip.show.critical_table import critical_table
-from stickslip.show.cycle_table import cycle_table
-from stickslip.show.score_table import score_table
-from stickslip.show.verdict_table import verdict_table
+from stickslip.show.tables import critical_table, cycle_table, score_table
+from stickslip.show.verdict import verdict_table
 from stickslip_ref import CriticalVelocity, Interval, Regime, StickSlip, Swinging
 from stickslip_score import Cause, Compared, Score
 from stickslip_verification import CheckResult, Verdict

@@ -6,4 +6,8 @@ that the command is made of; the public names stand in `__init__.pyi`.
 
 import lazy_loader
 
+from stickslip.accessor import register
+
 __getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)
+
+register()

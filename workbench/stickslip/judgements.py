@@ -41,14 +41,14 @@ class FmuVerdict(Shown):
         return self.verdict.checks
 
     def __repr__(self) -> str:
-        from stickslip.show.verdict_summary import counts
+        from stickslip.show.verdict import counts
 
         answers = [question.answer for question in self.verdict.questions]
         return "\n".join([*answers, str(counts(self.verdict))])
 
     def table(self) -> RenderableType:
         """Return the summary, for rich."""
-        from stickslip.show.verdict_summary import verdict_summary
+        from stickslip.show.verdict import verdict_summary
 
         return verdict_summary(self.verdict, self.meanings)
 
@@ -172,7 +172,7 @@ class CurveVerdict(Shown):
 
     def table(self) -> RenderableType:
         """Return the comparison, for rich."""
-        from stickslip.show.score_table import score_table
+        from stickslip.show.tables import score_table
 
         return score_table(self.score)
 

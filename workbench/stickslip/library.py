@@ -65,13 +65,13 @@ class Run(Samples, Shown):
 
     def table(self) -> RenderableType:
         """Return the cycle beside the exact and the simplified one, for rich."""
-        from stickslip.show.cycle_table import cycle_table
+        from stickslip.show.tables import cycle_table
 
         return cycle_table(self, self._theory)
 
     def to_dict(self) -> dict[str, Any]:
         """Return the cycle [SI]: measured in the run, exact and simplified."""
-        from stickslip.show.cycle_table import cycle_rows
+        from stickslip.show.tables import cycle_rows
 
         rows = {
             row.name: {
@@ -98,7 +98,7 @@ class Run(Samples, Shown):
 
     def write_csv(self, target: Path | str, option: str = "file") -> None:
         """Write the samples as a CSV file that fmpy reads; `option` names it in a refusal."""
-        from stickslip.runs.csv_file import write_csv
+        from stickslip.runs.run import write_csv
 
         write_csv(self.samples, Path(target), option)
 
@@ -182,7 +182,7 @@ class Cycle(Shown):
 
     def table(self) -> RenderableType:
         """Return both columns, for rich."""
-        from stickslip.show.cycle_table import theory_table
+        from stickslip.show.tables import theory_table
 
         return theory_table(self.exact, self.simplified)
 
@@ -250,7 +250,7 @@ class Limits(Shown):
 
     def table(self) -> RenderableType:
         """Return the intervals, for rich."""
-        from stickslip.show.critical_table import critical_table
+        from stickslip.show.tables import critical_table
 
         return critical_table(self.velocities, self.regime)
 

@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Unpack
 
 from stickslip.parameters import Parameters, above_zero
-from stickslip_design.chunks import Progress, Results, run
+from stickslip_design.chunks import Computing, Results, run
 from stickslip_design.maps.study import computed, study_of
 from stickslip_design.sweeps.study import sweep as sweep
 from stickslip_design.tolerances.study import scatter as scatter
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     import xarray
 
     from stickslip_design.axis import AxisFile
-    from stickslip_design.maps.grid import GridStudy
+    from stickslip_design.maps.study import GridStudy
 
 
 def map(  # noqa: A001 - the name of the command
@@ -28,11 +28,8 @@ def map(  # noqa: A001 - the name of the command
     feed: float | str | None = None,
     limit: bool | None = None,
     folder: Path | str | None = None,
-    workers: int | None = None,
-    cluster: str | None = None,
-    fresh: bool = False,
-    progress: Callable[[Progress], None] | None = None,
     compute: Callable[[GridStudy, str | None], Results] | None = None,
+    **how: Unpack[Computing],
 ) -> xarray.Dataset:
     """Map jump, period and regime of the block, or of an axis, over two parameters or more.
 
@@ -52,10 +49,10 @@ def map(  # noqa: A001 - the name of the command
     folder
         Where the study is kept, a folder or an address of fsspec: chunk files, from which it
         resumes, and the dataset as ``map.zarr``, which is read when it is used.
-    workers, cluster, fresh, progress
-        As of `stickslip_design.chunks.run`.
     compute
-        Computes the study in the folder of its chunks, in place of that with these four.
+        Computes the study in the folder of its chunks, in place of `stickslip_design.chunks.run`.
+    how
+        ``workers``, ``cluster``, ``fresh``, ``progress``: as of that.
 
     Returns
     -------
@@ -72,8 +69,5 @@ def map(  # noqa: A001 - the name of the command
     values = p.values
     if axis is not None:
         values = {} if feed is None else {"feed": above_zero(feed, "m/s", "feed")}
-    compute = compute or partial(
-        run, workers=workers, cluster=cluster, fresh=fresh, progress=progress
-    )
     study = study_of(over, values=values, law=p.law, axis=axis, limit=limit)
-    return computed(study, folder, compute)
+    return computed(study, folder, compute or partial(run, **how))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import Final
+from typing import Final, NamedTuple
 
 NONE: Final = "–"
 """What stands for a number that there is none of."""
@@ -87,3 +87,50 @@ def decibels(factor: float) -> str:
     if not 0.0 < factor < math.inf:
         return number(factor if factor > 0.0 else None)
     return f"{20.0 * math.log10(factor):.1f}".replace("-", "\N{MINUS SIGN}")
+
+
+class Scale(NamedTuple):
+    """A unit to show values in: its size in SI, and its symbol, "" for a plain number."""
+
+    size: float
+    symbol: str
+
+    def label(self, name: str) -> str:
+        """Return a name with the unit behind it."""
+        return f"{name} [{self.symbol}]" if self.symbol else name
+
+    def text(self, value: float, form: str = ".6g") -> str:
+        """Write a value [SI] with the unit."""
+        return f"{value / self.size:{form}} {self.symbol}"
+
+    def told(self, value: float) -> str:
+        """Return a value [SI] with its unit, its number as of `number`."""
+        return f"{number(value / self.size)} {self.symbol}".rstrip()
+
+
+_PREFIXES: Final = ((1e6, "M"), (1e3, "k"), (1.0, ""), (1e-3, "m"), (1e-6, "µ"), (1e-9, "n"))
+_SCALES: Final = {
+    # Metres and seconds have no larger units in a workshop.
+    **{u: [Scale(size, sign + u) for size, sign in _PREFIXES[2:]] for u in ("m", "m/s", "s")},
+    **{u: [Scale(size, sign + u) for size, sign in _PREFIXES] for u in ("N", "Hz")},
+    "N/m": [Scale(1e6, "N/µm"), Scale(1e3, "kN/m"), Scale(1.0, "N/m")],
+}
+"""Units in which a value of an SI unit is neither tiny nor huge, the largest first."""
+
+
+def scale_for(value: float, unit: str, enough: float = 1.0) -> Scale:
+    """Choose the largest unit of which `value` has at least `enough`; else the smallest.
+
+    Parameters
+    ----------
+    value
+        The value to show, or the largest of many, SI; its sign does not count. 0 is in SI.
+    unit
+        Its SI unit, "1" for none. One without a ladder is shown as it is.
+    enough
+        How many of the unit `value` must hold.
+    """
+    scales = _SCALES.get(unit, [Scale(1.0, "" if unit == "1" else unit)])
+    if value == 0.0:
+        return next(scale for scale in scales if scale.size == 1.0)
+    return next((scale for scale in scales if abs(value) >= enough * scale.size), scales[-1])

@@ -19,15 +19,13 @@ from .critical import (
     simplified_critical_feed,
 )
 from .levers import BELOW, END, cured, cures
-from .loop.hunting import Hunting, hunting
 from .loop.jumps import Limit
 from .loop.response import Response, open_loop
-from .loop.rest import Start
+from .loop.rest import Hunting, Start, hunting
 from .loop.stability import gain_limits, is_stable, swing
 from .one_thread import one_thread
 from .record import Record, record
-from .verdict import AxisCure, OperatingPoint, Verdict, judder, smallest
-from .words import feed_in_words, in_words
+from .verdict import AxisCure, OperatingPoint, Verdict, feed_in_words, in_words, judder, smallest
 
 _UNANSWERED: Final = (
     "Reversal and backlash: the axis moves in one direction.",

@@ -12,8 +12,7 @@ from numpy.testing import assert_allclose, assert_array_equal
 
 import stickslip as ss
 import stickslip_ref
-from stickslip_design.maps.grid import GridStudy
-from stickslip_design.maps.study import study_of
+from stickslip_design.maps.study import GridStudy, study_of
 from stickslip_design.points.axes import axis_points
 from tests.design.tolerances.series import series
 from tests.needs import needs

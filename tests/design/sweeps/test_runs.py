@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from stickslip_design.chunks import Columns
-from stickslip_design.sweeps.reductions import REDUCTIONS, Floats
+from stickslip_design.sweeps.runs import REDUCTIONS, Floats
 from stickslip_design.sweeps.study import prepare, release, sweep, tried
 from stickslip_ref import Parameters, steady_cycle
 from tests.conftest import built

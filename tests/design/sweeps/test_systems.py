@@ -39,7 +39,7 @@ def test_values_of_the_file_hold_unless_the_plan_has_others(
     study = prepare(feed_axis, PLAN)
     assert (study.fixed["table.k"], study.fixed["drive.feed"]) == (4e7, 2e-3)
     assert "table.m" not in study.fixed
-    assert [wire.input for wire in study.wires] == ["table.v", "drive.F", "drive.x"]
+    assert [wire.input for wire in study.model.wires] == ["table.v", "drive.F", "drive.x"]
     points = tmp_path / "points.csv"
     points.write_text("table.k [N/um], table.m [t]\n40, 0.5\n", encoding="utf-8")
     plan = {**PLAN, "parameters": {}, "points": str(points)}

@@ -8,7 +8,7 @@ from numpy.testing import assert_allclose
 from scipy import stats
 
 from stickslip_design.axis import AxisError
-from stickslip_design.tolerances.distributions import Distribution, varying
+from stickslip_design.tolerances.machines import Distribution, varying
 from tests.design.tolerances.series import series
 
 SHARES = np.array([1e-6, 0.01, 0.3, 0.5, 0.75, 0.999, 1.0 - 1e-6])

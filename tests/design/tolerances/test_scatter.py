@@ -12,11 +12,9 @@ from scipy.special import ndtri
 from stickslip_design.axis import AxisFile
 from stickslip_design.chunks import Study, run
 from stickslip_design.datasets import digest_of
-from stickslip_design.tolerances.indices import Mixed
-from stickslip_design.tolerances.nominal import Turns
-from stickslip_design.tolerances.result import Scatter
-from stickslip_design.tolerances.samples import Population, Samples
-from stickslip_design.tolerances.study import answer, question
+from stickslip_design.tolerances.machines import Population, Samples
+from stickslip_design.tolerances.statistics import Mixed, Turns
+from stickslip_design.tolerances.study import Scatter, answer, question
 from tests.design.tolerances.series import MU_K, gap, series, share_that_jumps
 
 MU_S = {"friction.mu_s": "normal 0.2 0.02"}

@@ -8,9 +8,8 @@ from numpy.testing import assert_allclose, assert_array_equal
 from scipy import stats
 from scipy.special import ndtri
 
-from stickslip_design.tolerances.indices import indices, mixed
-from stickslip_design.tolerances.probability import interval, probability, ranks
-from stickslip_design.tolerances.samples import correlated, factor_of, shares
+from stickslip_design.tolerances.machines import correlated, factor_of, shares
+from stickslip_design.tolerances.statistics import indices, interval, mixed, probability, ranks
 
 NAMES = ("a", "b", "c")
 ROWS = 4096

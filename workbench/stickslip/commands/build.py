@@ -1,13 +1,11 @@
 """`stickslip build`: write the FMU with its documentation and its evidence."""
 
-from enum import StrEnum
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated, Literal
 
 import typer
 
-from stickslip.commands.expanded import command
-from stickslip.commands.options import FrictionLaw
+from stickslip.commands.expanded import FrictionLaw, command, opt
 from stickslip.commands.shared import (
     BUILD_FOLDER,
     COULOMB,
@@ -19,17 +17,6 @@ from stickslip.commands.shared import (
 )
 from stickslip.errors import CommandError
 
-if TYPE_CHECKING:
-    from stickslip_verification import Verdict
-
-
-class FmiVersion(StrEnum):
-    """The versions of FMI that the FMU can be built for."""
-
-    TWO = "2"
-    THREE = "3"
-
-
 _CASE = "default"
 """The case that a build judges; `stickslip verify --pack` judges all of them."""
 
@@ -39,30 +26,22 @@ def build(
     *,
     output: Annotated[
         Path,
-        typer.Option(
+        opt(
+            "File to write, or folder for StickSlip.fmu or StickSlip_fmi3.fmu.",
+            "DIR|FILE.fmu",
             "--output",
             "-o",
-            metavar="DIR|FILE.fmu",
-            help="File to write, or folder for StickSlip.fmu or StickSlip_fmi3.fmu.",
         ),
     ] = BUILD_FOLDER,
     fmi: Annotated[
-        FmiVersion, typer.Option(help="The standard: 2.0, or 3.0 as StickSlip_fmi3.fmu.")
-    ] = FmiVersion.TWO,
-    bare: Annotated[
-        bool,
-        typer.Option("--bare", help="Leave out the evidence (extra/), which takes seconds."),
-    ] = False,
+        Literal["2", "3"], opt("The standard: 2.0, or 3.0 as StickSlip_fmi3.fmu.")
+    ] = "2",
+    bare: Annotated[bool, opt("Leave out the evidence (extra/), which takes seconds.")] = False,
     law: FrictionLaw = COULOMB,
     native: Annotated[
-        bool,
-        typer.Option(
-            "--native", help="The FMU in C for all platforms, StickSlip_native.fmu; needs ziglang."
-        ),
+        bool, opt("The FMU in C for all platforms, StickSlip_native.fmu; needs ziglang.")
     ] = False,
-    this_machine: Annotated[
-        bool, typer.Option("--this-machine", help="With --native: for this machine, by its cc.")
-    ] = False,
+    this_machine: Annotated[bool, opt("With --native: for this machine, by its cc.")] = False,
 ) -> None:
     """Build the FMU; print its path, size and SHA-256.
 
@@ -78,17 +57,13 @@ def build(
     fmu = built(output, "-o", native=native, fmi=int(fmi), law=law, this_machine=this_machine)
     failed = False
     if not bare and law == COULOMB:
-        verdict = _verdict(fmu)
+        from stickslip.judgements import verify
+
+        with long_work("Verifying the default experiment") as progress:
+            verdict = verify(fmu, cases=_CASE, progress=progress).verdict
         failed = not verdict.passed
         pack_evidence(fmu, verdict, "-o")
     tell_of(fmu)
     if failed:
         say("the default experiment fails its checks; for details run stickslip verify")
         raise typer.Exit(1)
-
-
-def _verdict(fmu: Path) -> "Verdict":
-    from stickslip.judgements import verify
-
-    with long_work("Verifying the default experiment") as progress:
-        return verify(fmu, cases=_CASE, progress=progress).verdict

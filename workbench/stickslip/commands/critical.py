@@ -2,28 +2,21 @@
 
 from typing import Annotated
 
-import typer
-
-from stickslip.commands.expanded import Only, command
+from stickslip.commands.expanded import command, opt
 from stickslip.commands.shared import console, say
 from stickslip.parameters import Parameters
 
 
 @command
 def critical(
-    p: Annotated[
-        Parameters,
-        Only("m g k c mu_s mu_k tau_s B t_0 v load law own curve normal_force"),
-    ],
+    p: Annotated[Parameters, "m g k c mu_s mu_k tau_s B t_0 v load law own curve normal_force"],
     lowest: Annotated[
-        str | None,
-        typer.Option("--from", metavar="VALUE", help="Lowest pulling velocity searched."),
+        str | None, opt("Lowest pulling velocity searched.", "VALUE", "--from")
     ] = None,
     highest: Annotated[
-        str | None,
-        typer.Option("--to", metavar="VALUE", help="Highest pulling velocity searched."),
+        str | None, opt("Highest pulling velocity searched.", "VALUE", "--to")
     ] = None,
-    json: Annotated[bool, typer.Option("--json", help="Print the ranges as JSON, SI.")] = False,
+    json: Annotated[bool, opt("Print the ranges as JSON, SI.")] = False,
 ) -> None:
     """Print at which pulling velocities a cycle with a stick exists, and steady sliding is stable.
 

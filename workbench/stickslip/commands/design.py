@@ -3,9 +3,7 @@
 from pathlib import Path
 from typing import Annotated
 
-import typer
-
-from stickslip.commands.expanded import command
+from stickslip.commands.expanded import arg, command, opt
 from stickslip.commands.shared import console, hand_out
 from stickslip.errors import CommandError
 
@@ -15,33 +13,20 @@ def design(
     *,
     axis: Annotated[
         Path | None,
-        typer.Argument(
-            metavar="AXIS.toml",
-            help="The axis; with --template or --example the new file to write, else they print.",
-            show_default=False,
+        arg(
+            "The axis; with --template or --example the new file to write, else they print.",
+            "AXIS.toml",
         ),
     ] = None,
     output: Annotated[
-        Path | None,
-        typer.Option(
-            "-o", "--output", metavar="FILE", help="The report; default: AXIS.html in this folder.",
-            show_default=False,
-        ),
+        Path | None, opt("The report; default: AXIS.html in this folder.", "FILE", "-o", "--output")
     ] = None,
     json: Annotated[
-        Path | None,
-        typer.Option(
-            "--json", metavar="FILE", help="Also write the answer for machines: JSON, SI.",
-            show_default=False,
-        ),
+        Path | None, opt("Also write the answer for machines: JSON, SI.", "FILE", "--json")
     ] = None,
-    template: Annotated[
-        bool, typer.Option("--template", help="Write a commented axis file to fill in.")
-    ] = False,
-    example: Annotated[
-        bool, typer.Option("--example", help="Write the axis file of docs/feed-axis.md.")
-    ] = False,
-) -> None:  # fmt: skip
+    template: Annotated[bool, opt("Write a commented axis file to fill in.")] = False,
+    example: Annotated[bool, opt("Write the axis file of docs/feed-axis.md.")] = False,
+) -> None:
     """Say whether a feed axis judders, and what cures it: a summary, and a report to print."""
     if template or example:
         if template and example:

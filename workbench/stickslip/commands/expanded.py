@@ -24,11 +24,16 @@ _OURS: Final = ("stickslip", "fmi")
 _DASH: Final = Path("-")
 
 
-@dataclass(frozen=True)
-class Only:
-    """Leaves a dataclass the fields of these names, parted by blanks."""
+def opt(text: str, metavar: str | None = None, *names: str, **more: Any) -> Any:
+    """Return an option as typer takes it: its help, what stands for a value, how it is written."""
+    info = typer.Option(help=text, metavar=metavar, **more)
+    info.param_decls = names
+    return info
 
-    names: str
+
+def arg(text: str, metavar: str) -> Any:
+    """Return an argument as typer takes it: its help, and what stands for it."""
+    return typer.Argument(help=text, metavar=metavar)
 
 
 def named(texts: Sequence[str], option: str) -> dict[str, str]:
@@ -47,46 +52,41 @@ def named(texts: Sequence[str], option: str) -> dict[str, str]:
 def command(function: Callable[..., None]) -> Callable[..., None]:
     """Return a function as typer takes it.
 
-    An argument that is a dataclass becomes an option for each of its fields; what the function
-    refuses ends in one line.
+    An argument that is a dataclass becomes an option for each of its fields, or for those that are
+    named beside it, parted by blanks. A mapping is written NAME=VALUE, again and again. A flag has
+    no opposite. What the function refuses ends in one line.
     """
-    hints = get_type_hints(function, include_extras=True)
     options: list[inspect.Parameter] = []
-    made: dict[str, tuple[Any, dict[str, str]]] = {}
-    for argument in inspect.signature(function).parameters.values():
-        hint = hints[argument.name]
-        kind: Any
-        kind, *extra = get_args(hint) if get_origin(hint) is Annotated else (hint,)
+    made: dict[str, tuple[Any, list[str]]] = {}
+    hints = get_type_hints(function, include_extras=True)
+    for parameter in inspect.signature(function).parameters.values():
+        hint = hints[parameter.name]
+        kind, *extra = get_args(hint) or (hint,)
         if not is_dataclass(kind):
-            keyword = inspect.Parameter.KEYWORD_ONLY
-            options.append(argument.replace(annotation=hint, kind=keyword))
+            options.append(_expanded(parameter.name, hint, parameter.default))
             continue
-        names = next((each.names.split() for each in extra if isinstance(each, Only)), None)
-        of_fields = {
-            field.name: _option(field, vars(kind).get(field.name), get_type_hints(kind))
-            for field in fields(kind)
-            if field.init and (names is None or field.name in names)
-        }
-        made[argument.name] = (kind, {name: text for name, (text, _) in of_fields.items()})
-        options += [option for _, option in of_fields.values()]
-
-    read = {
-        option.name
-        for option in options
-        if any(isinstance(each, ArgumentInfo) for each in get_args(option.annotation))
-    }
+        chosen = next((each.split() for each in extra), None)
+        of_fields = [
+            _of_field(kind, each)
+            for each in fields(kind)
+            if each.init and (chosen is None or each.name in chosen)
+        ]
+        made[parameter.name] = (kind, [each.name for each in of_fields])
+        options += of_fields
+    infos = {each.name: get_args(each.annotation)[1] for each in options}
+    mappings = [each for each, info in infos.items() if getattr(info, "is_mapping", False)]
 
     @functools.wraps(function)
     def run(**given: Any) -> None:
         with _refusals(tuple(given)), _here_on_path(), contextlib.ExitStack() as stack:
             for name in [name for name, value in given.items() if value == _DASH]:
                 # An argument is a file that is read, maybe twice; an option one that is written.
-                given[name] = _standard_input(stack) if name in read else Path("/dev/stdout")
+                is_read = isinstance(infos[name], ArgumentInfo)
+                given[name] = _standard_input(stack) if is_read else Path("/dev/stdout")
+            for name in mappings:
+                given[name] = named(given[name] or (), infos[name].param_decls[0])
             for name, (kind, names) in made.items():
                 typed = {each: given.pop(each) for each in names}
-                for each, value in typed.items():
-                    if isinstance(value, list):
-                        typed[each] = named(value, names[each])
                 given[name] = kind(**{k: value for k, value in typed.items() if value is not None})
             function(**given)
 
@@ -95,48 +95,41 @@ def command(function: Callable[..., None]) -> Callable[..., None]:
     return run
 
 
-def _option(
-    field: Field[Any], quantity: object, hints: Mapping[str, Any]
-) -> tuple[str, inspect.Parameter]:
-    """Return the option of a field: how it is written, and what typer takes for it."""
+def _of_field(kind: Any, field: Field[Any]) -> inspect.Parameter:
+    """Return the option of a field of a dataclass; a quantity is typed as a text."""
+    hint = get_type_hints(kind, include_extras=True)[field.name]
+    if get_origin(hint) is Annotated:
+        return _expanded(field.name, hint, field.default)
     text = field.metadata.get("option", "--" + field.name.replace("_", "-"))
-    spellings = {text, text.lower()} if len(field.name) > 1 else {text}
-    about: Mapping[str, Any] = field.metadata
-    hint: Any = str
+    spellings = sorted({text, text.lower()} if len(field.name) > 1 else {text})
+    quantity = vars(kind).get(field.name)
     if isinstance(quantity, Quantity):
         row = quantity.variable
         unit = "" if row.unit == "1" else f" [{row.unit}]"
         limits = "" if row.minimum is None else f", {row.range}"
-        about = {
-            "help": f"{row.description}{unit}{limits}; default {row.start:g}.",
-            "metavar": "VALUE",
-            "panel": _PANELS[row.causality],
-        }
+        about = f"{row.description}{unit}{limits}; default {row.start:g}."
+        info = opt(about, "VALUE", *spellings, rich_help_panel=_PANELS[row.causality])
+        hint = str
     else:
-        hint = _typed(hints[field.name])
-    info = typer.Option(
-        *sorted(spellings),
-        help=about["help"],
-        metavar=about.get("metavar"),
-        rich_help_panel=about.get("panel"),
-        show_default=False,
-    )
-    is_flag = hint is bool
-    option: Any = Annotated[hint if is_flag else hint | None, info]
-    return text, inspect.Parameter(
-        field.name,
-        inspect.Parameter.KEYWORD_ONLY,
-        default=False if is_flag else None,
-        annotation=option,
-    )
+        info = opt(field.metadata["help"], field.metadata["metavar"], *spellings)
+    return _expanded(field.name, Annotated[hint | None, info], None)
 
 
-def _typed(hint: Any) -> Any:
-    """Return the type in which a field is typed: a mapping as texts, a quantity as one."""
-    if get_origin(hint) is Mapping:
-        return list[str]
-    kinds = set(get_args(hint)) - {type(None)} or {hint}
-    return next(kind for kind in (bool, Path, str, int, float) if kind in kinds)
+def _expanded(name: str, hint: Any, default: Any) -> inspect.Parameter:
+    """Return a parameter of a function as typer takes it."""
+    kind, info = get_args(hint)
+    kinds = set(get_args(kind | None)) - {type(None)}
+    if kinds == {bool} and not info.param_decls and default is False:
+        info.param_decls = ("--" + name.strip("_").replace("_", "-"),)
+    if any(get_origin(each) is Mapping for each in kinds):
+        info.is_mapping = True
+        info.param_decls = info.param_decls or ("--" + name,)
+        kind, default = list[str] | None, None
+    elif kinds == {float, str}:
+        kind = str | None
+    return inspect.Parameter(
+        name, inspect.Parameter.KEYWORD_ONLY, default=default, annotation=Annotated[kind, info]
+    )
 
 
 def _standard_input(stack: contextlib.ExitStack) -> Path:
@@ -174,3 +167,39 @@ def _refusals(names: Sequence[str]) -> Iterator[None]:
         if not where.startswith(_OURS):
             raise
         raise CommandError(" ".join(str(error).split())) from error
+
+
+_computing = functools.partial(opt, rich_help_panel="Computing")
+
+FrictionLaw = Annotated[
+    str,
+    opt(
+        "Friction law: coulomb (the default), stribeck, or MODULE:NAME for one of your own.",
+        "NAME",
+        "--law",
+    ),
+]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Computing:
+    """How a study is computed."""
+
+    workers: Annotated[
+        int | None, _computing("Processes on this machine; default: one a core.", "N")
+    ] = None
+    cluster: Annotated[
+        str | None,
+        _computing(
+            "Compute on the workers of a dask scheduler (tcp://host:8786), which share the folder "
+            "of the study.",
+            "ADDRESS",
+        ),
+    ] = None
+    fresh: Annotated[
+        bool,
+        _computing(
+            "Throw away what an earlier run of another study, or of other versions, has left."
+        ),
+    ] = False
+    yes: Annotated[bool, _computing("Compute more than 10^9 points.")] = False

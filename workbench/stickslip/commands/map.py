@@ -1,13 +1,11 @@
 """`stickslip map`: the steady motion over ranges of two parameters or more."""
 
 import re
+from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
-import typer
-
-from stickslip.commands.expanded import Only, command, named
-from stickslip.commands.options import Computing
+from stickslip.commands.expanded import Computing, arg, command, opt
 from stickslip.commands.shared import say
 from stickslip.errors import CommandError
 from stickslip.parameters import Parameters
@@ -16,65 +14,53 @@ if TYPE_CHECKING:
     import xarray
 
     from stickslip_design.chunks import Results
-    from stickslip_design.maps.grid import GridStudy
+    from stickslip_design.maps.study import GridStudy
 
 
 @command
 def map(  # noqa: A001 - the name of the command
     *,
     axis: Annotated[
-        Path | None,
-        typer.Argument(
-            metavar="AXIS.toml",
-            help="An axis file; without it the block is mapped.",
-            show_default=False,
-        ),
+        Path | None, arg("An axis file; without it the block is mapped.", "AXIS.toml")
     ] = None,
     over: Annotated[
-        list[str] | None,
-        typer.Option(
-            metavar="'NAME=LOW..HIGH UNIT log|lin COUNT'",
-            help="A parameter and its range, such as 'v=0.1..50 mm/s log 400'; two or more. Of an "
+        Mapping[str, str],
+        opt(
+            "A parameter and its range, such as 'v=0.1..50 mm/s log 400'; two or more. Of an "
             "axis file a number that it states (axis.stiffness), or feed. Default: lin 200.",
-            show_default=False,
+            "'NAME=LOW..HIGH UNIT log|lin COUNT'",
         ),
-    ] = None,
+    ],
     output: Annotated[
         str | None,
-        typer.Option(
+        opt(
+            "Folder, or address of fsspec, of the map; default: NAME-map in this folder.",
+            "FOLDER",
             "-o",
             "--output",
-            metavar="FOLDER",
-            help="Folder, or address of fsspec, of the map; default: NAME-map in this folder.",
-            show_default=False,
         ),
     ] = None,
-    p: Annotated[
-        Parameters,
-        Only("m g k c mu_s mu_k tau_s B t_0 v load law own curve normal_force"),
-    ],
+    p: Annotated[Parameters, "m g k c mu_s mu_k tau_s B t_0 v load law own curve normal_force"],
     computing: Computing,
     feed: Annotated[
         str | None,
-        typer.Option(
-            metavar="VALUE",
-            help="Feed of the axis, where the map is not over it; default: the first demanded.",
-            show_default=False,
+        opt(
+            "Feed of the axis, where the map is not over it; default: the first demanded.", "VALUE"
         ),
     ] = None,
     limit: Annotated[
         bool | None,
-        typer.Option(
-            "--limit/--no-limit",
-            help="Whether the critical velocity of the block is searched, at 10 to 100 ms each "
+        opt(
+            "Whether the critical velocity of the block is searched, at 10 to 100 ms each "
             "where friction has no closed form; default: up to 1000 searches.",
-            show_default=False,
+            None,
+            "--limit/--no-limit",
         ),
     ] = None,
 ) -> None:
     """Map jump, period and regime over two parameters or more: pictures, a page and a dataset."""
     from stickslip import studies
-    from stickslip.commands.running import computed
+    from stickslip.commands.shared import computed
     from stickslip_design.maps.sources import OverError
     from stickslip_design.points.slips import native_problem
 
@@ -92,12 +78,10 @@ def map(  # noqa: A001 - the name of the command
                 f"{of_block[0]} goes with a map of the block; {axis} states the axis"
             )
         options = {} if feed is None else {"feed": "--feed"}
-    ranges = named(over or [], "--over")
-    for name in ranges:
+    for name in over:
         of_curve = p.curve and re.fullmatch(r"shape|n_points|mu_\d+|u_\d+", name)
-        option = "--curve" if of_curve else options.get(name)
-        if option is not None:
-            raise CommandError(f"--over: {name} is set by {option} too")
+        if (other := "--curve" if of_curve else options.get(name)) is not None:
+            raise CommandError(f"--over: {name} is set by {other} too")
     folder = output or f"{p.law if axis is None else axis.stem}-map"
     if "://" not in folder and Path(folder).exists() and not Path(folder).is_dir():
         raise CommandError(f"-o {folder}: it is a file; name a folder")
@@ -105,11 +89,11 @@ def map(  # noqa: A001 - the name of the command
     def compute(study: "GridStudy", place: str | None) -> "Results":
         if study.source.by_slips and (problem := native_problem()) is not None:
             say(f"warning: {problem}; the Python block computes, some hundred times slower")
-        return computed(study, place, described="Computing the map", **vars(computing))
+        return computed(study, place, computing, "Computing the map")
 
     try:
         dataset = studies.map(
-            ranges, p, axis=axis, feed=feed, limit=limit, folder=folder, compute=compute
+            over, p, axis=axis, feed=feed, limit=limit, folder=folder, compute=compute
         )
     except OverError as error:
         raise CommandError(f"--over: {error}") from error
@@ -119,8 +103,7 @@ def map(  # noqa: A001 - the name of the command
 def _show(dataset: "xarray.Dataset", folder: str) -> None:
     """Write picture and page beside the dataset, and print what the map says."""
     from stickslip_design.chunks.store import store_of
-    from stickslip_design.maps.page import MOST_SLICES, page
-    from stickslip_design.maps.pictures import picture
+    from stickslip_design.maps.page import MOST_SLICES, page, picture
     from stickslip_design.maps.study import FILE
     from stickslip_design.maps.views import View
 

@@ -3,9 +3,7 @@
 from pathlib import Path
 from typing import Annotated
 
-import typer
-
-from stickslip.commands.expanded import command
+from stickslip.commands.expanded import arg, command, opt
 from stickslip.commands.shared import hand_out
 from stickslip.errors import CommandError
 
@@ -13,12 +11,9 @@ from stickslip.errors import CommandError
 @command
 def names(
     *,
-    fmu: Annotated[Path, typer.Argument(metavar="FILE.fmu", help="The FMU, 2.0 or 3.0.")],
+    fmu: Annotated[Path, arg("The FMU, 2.0 or 3.0.", "FILE.fmu")],
     output: Annotated[
-        Path | None,
-        typer.Option(
-            "--output", "-o", metavar="FILE.toml", help="File to write; default: the terminal."
-        ),
+        Path | None, opt("File to write; default: the terminal.", "FILE.toml", "--output", "-o")
     ] = None,
 ) -> None:
     """Write a names file to begin with, for `stickslip verify --names`; the FMU is run for it."""

@@ -5,21 +5,19 @@ from typing import Annotated
 
 import typer
 
-from stickslip.commands.expanded import Only, command
+from stickslip.commands.expanded import command, opt
 from stickslip.commands.shared import say
 from stickslip.parameters import ParameterError, Parameters
 
 DEFAULT_PAGE = Path("stick-slip.html")
 
-_Shown = Annotated[Parameters, Only("m g k c mu_s mu_k v load")]
+_Shown = Annotated[Parameters, "m g k c mu_s mu_k v load"]
 
 
 @command
 def page(
     p: _Shown,
-    output: Annotated[
-        Path, typer.Option("--output", "-o", metavar="FILE", help="File to write.")
-    ] = DEFAULT_PAGE,
+    output: Annotated[Path, opt("File to write.", "FILE", "--output", "-o")] = DEFAULT_PAGE,
 ) -> None:
     """Write the interactive page: one HTML file that works without a network."""
     print(f"{output}  {_write(p, output)} bytes")

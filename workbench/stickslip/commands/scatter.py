@@ -1,112 +1,92 @@
 """`stickslip scatter`: how likely an axis jumps where its numbers vary."""
 
+from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal
 
-import typer
-
-from stickslip.commands.expanded import command, named
-from stickslip.commands.options import Computing
+from stickslip.commands.expanded import Computing, arg, command, opt
 from stickslip.errors import CommandError
 
 if TYPE_CHECKING:
-    from stickslip_design.tolerances.result import Scatter
+    from stickslip_design.tolerances.study import Scatter
 
 
 @command
 def scatter(
     *,
-    axis: Annotated[
-        Path, typer.Argument(metavar="AXIS.toml", help="The axis file; its ± count as scatter.")
-    ],
+    axis: Annotated[Path, arg("The axis file; its ± count as scatter.", "AXIS.toml")],
     vary: Annotated[
-        list[str] | None,
-        typer.Option(
-            metavar="'NAME=DISTRIBUTION'",
-            help="How a number varies, such as 'friction.mu_s=normal 0.2 0.02' (mean, sigma), "
+        Mapping[str, str],
+        opt(
+            "How a number varies, such as 'friction.mu_s=normal 0.2 0.02' (mean, sigma), "
             "lognormal (median, sigma), uniform LOW..HIGH, triangular LOW LIKELIEST HIGH, ± 10 %, "
             "or fixed; may be repeated.",
-            show_default=False,
+            "'NAME=DISTRIBUTION'",
         ),
-    ] = None,
+    ],
     spread_is: Annotated[
         Literal["uniform", "normal"],
-        typer.Option(help="What a ± means: any value within it alike, or two sigma of a normal."),
+        opt("What a ± means: any value within it alike, or two sigma of a normal."),
     ] = "uniform",
     correlation: Annotated[
-        list[str] | None,
-        typer.Option(
-            metavar="NAME,NAME=VALUE",
-            help="Correlation of two numbers that vary, -1 to 1, such as "
+        Mapping[str, str],
+        opt(
+            "Correlation of two numbers that vary, -1 to 1, such as "
             "friction.mu_s,friction.mu_k=0.8; may be repeated.",
-            show_default=False,
+            "NAME,NAME=VALUE",
         ),
-    ] = None,
+    ],
     feed: Annotated[
         list[str] | None,
-        typer.Option(
-            metavar="VALUE",
-            help="Feed to judge at, such as '2 mm/min'; may be repeated. Default: those of the "
-            "file.",
-            show_default=False,
+        opt(
+            "Feed to judge at, such as '2 mm/min'; may be repeated. Default: those of the file.",
+            "VALUE",
         ),
     ] = None,
     samples: Annotated[
         int | None,
-        typer.Option(
-            metavar="N", min=1,
-            help="Machines drawn; default: 100000 where closed forms answer, else 1000.",
-            show_default=False,
-        ),
+        opt("Machines drawn; default: 100000 where closed forms answer, else 1000.", "N", min=1),
     ] = None,
     indices: Annotated[
         int | None,
-        typer.Option(
-            metavar="ROWS", min=0,
-            help="Rows of the Sobol indices, a power of two, each as many points as numbers vary "
+        opt(
+            "Rows of the Sobol indices, a power of two, each as many points as numbers vary "
             "and two; 0: none. Default: 4096 where closed forms answer, else 0.",
-            show_default=False,
+            "ROWS",
+            min=0,
         ),
     ] = None,
-    seed: Annotated[
-        int, typer.Option(metavar="N", min=0, help="Seed of the random numbers.")
-    ] = 0,
+    seed: Annotated[int, opt("Seed of the random numbers.", "N", min=0)] = 0,
     hold: Annotated[
         str | None,
-        typer.Option(
-            metavar="'SHARE at FEED'",
-            help="What must hold, such as '99 % at 2 mm/min': so many machines run evenly there.",
-            show_default=False,
+        opt(
+            "What must hold, such as '99 % at 2 mm/min': so many machines run evenly there.",
+            "'SHARE at FEED'",
         ),
     ] = None,
     solve: Annotated[
-        str | None,
-        typer.Option(
-            metavar="NAME", help="The number whose nominal value is solved for, with --hold.",
-            show_default=False,
-        ),
+        str | None, opt("The number whose nominal value is solved for, with --hold.", "NAME")
     ] = None,
     within: Annotated[
         str | None,
-        typer.Option(
-            metavar="'LOW..HIGH UNIT'",
-            help="Where it is looked for; default: a tenth to ten times the nominal value.",
-            show_default=False,
+        opt(
+            "Where it is looked for; default: a tenth to ten times the nominal value.",
+            "'LOW..HIGH UNIT'",
         ),
     ] = None,
     output: Annotated[
         Path | None,
-        typer.Option(
-            "-o", "--output", metavar="FOLDER",
-            help="Folder of page, pictures, machines and summary; a study that was ended resumes "
-            "there.",
-            show_default=False,
+        opt(
+            "Folder of page, pictures, machines and summary; a study that was ended resumes there.",
+            "FOLDER",
+            "-o",
+            "--output",
         ),
     ] = None,
     computing: Computing,
-) -> None:  # fmt: skip
+) -> None:
     """Tell how likely an axis jumps at a feed where its numbers vary, and by how much."""
-    from stickslip.commands.running import computed
+    from stickslip.commands.shared import computed
     from stickslip_design.axis import read_axis_file
     from stickslip_design.chunks import Results, Study
     from stickslip_design.datasets import need
@@ -114,8 +94,8 @@ def scatter(
     from stickslip_design.tolerances.words import sentences
 
     asked = question(
-        read_axis_file(axis), vary=named(vary or [], "--vary"), spread_is=spread_is,
-        correlation=_correlations(correlation or []), feeds=feed or (), samples=samples,
+        read_axis_file(axis), vary=vary, spread_is=spread_is,
+        correlation=_correlations(correlation), feeds=feed or (), samples=samples,
         indices=indices, seed=seed, hold=hold, solve=solve, within=within,
     )  # fmt: skip
     if output is not None:
@@ -124,7 +104,7 @@ def scatter(
 
     def compute(study: Study, name: str) -> Results:
         folder = None if output is None else str(output / "chunks" / name)
-        return computed(study, folder, described=_DESCRIBED[name], **vars(computing))
+        return computed(study, folder, computing, _DESCRIBED[name])
 
     found = answer(asked, compute)
     for sentence in sentences(found):
@@ -143,9 +123,9 @@ _DESCRIBED = {
 """What is computed in each folder of chunks."""
 
 
-def _correlations(texts: list[str]) -> dict[tuple[str, str], float]:
+def _correlations(typed: Mapping[str, str]) -> dict[tuple[str, str], float]:
     found: dict[tuple[str, str], float] = {}
-    for names, value in named(texts, "--correlation").items():
+    for names, value in typed.items():
         one, comma, other = (part.strip() for part in names.partition(","))
         if not (one and comma and other):
             raise CommandError(f"--correlation {names}={value}: write NAME,NAME=VALUE")
@@ -164,8 +144,7 @@ def _write(found: "Scatter", folder: Path) -> list[str]:
 
     from stickslip.files import writing
     from stickslip_design.datasets import write_points
-    from stickslip_design.tolerances.page import data, html
-    from stickslip_design.tolerances.pictures import picture
+    from stickslip_design.tolerances.page import data, html, picture
 
     image, table = io.BytesIO(), folder / "machines.parquet"
     if (drawn := picture(found)) is not None:

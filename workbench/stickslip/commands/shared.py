@@ -1,4 +1,4 @@
-"""What the commands share: the console, the one line on standard error, the FMU of a run."""
+"""What the commands share: the console, a line on standard error, the FMU of a run, studies."""
 
 import contextlib
 import io
@@ -8,19 +8,19 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from stickslip.commands.expanded import Computing
 from stickslip.errors import CommandError
 
 if TYPE_CHECKING:
     from rich.console import Console
 
+    from stickslip_design.chunks import Progress, Results, Study
     from stickslip_verification import Verdict
 
 BUILD_FOLDER = Path("build")
 
 COULOMB = "coulomb"
 """The name of the friction law of the default FMU."""
-
-Progress = Callable[[str, int, int], None]
 
 
 def say(text: str) -> None:
@@ -121,7 +121,7 @@ def hand_out(text: str, target: Path | None, option: str, then: str = "") -> Non
 
 
 @contextlib.contextmanager
-def long_work(what: str) -> Iterator[Progress]:
+def long_work(what: str) -> Iterator[Callable[[str, int, int], None]]:
     """Show the progress of long work that is done in other processes."""
     from stickslip.progress import Meter
 
@@ -133,3 +133,68 @@ def long_work(what: str) -> Iterator[Progress]:
         # What an FMU warns of belongs to its cases; on the terminal it would cut the progress.
         with contextlib.redirect_stderr(io.StringIO()):
             yield show
+
+
+MOST_POINTS = 10**9
+"""Points that are computed without --yes."""
+
+
+def computed(study: "Study", folder: str | None, computing: Computing, described: str) -> "Results":
+    """Compute a study, and show its rate, the time left and its failures on a terminal.
+
+    Parameters
+    ----------
+    study, folder
+        What to compute, and the folder or address where it resumes; None: it does not.
+    computing
+        How.
+    described
+        What is done, as progress shows it: "Computing the map".
+
+    Raises
+    ------
+    CommandError
+        If an option is wrong, or the study cannot be computed to its end.
+    """
+    from stickslip.progress import Meter
+    from stickslip_design.chunks import StudyError, run
+
+    workers, cluster = computing.workers, computing.cluster
+    if workers is not None and workers < 1:
+        raise CommandError(f"--workers {workers}: at least 1 is needed")
+    if workers is not None and cluster is not None:
+        raise CommandError("--workers goes with this machine, not with --cluster")
+    if study.count > MOST_POINTS and not computing.yes:
+        raise CommandError(f"{study.count:.4g} points are more than 10^9; --yes computes them")
+    said = set[str]()
+    with Meter(described) as meter:
+
+        def show(progress: "Progress") -> None:
+            if progress.note and progress.note not in said:
+                said.add(progress.note)
+                say(progress.note)
+            meter.advance(progress.done, progress.count, f"{described}: {_how_far(progress)}")
+
+        try:
+            return run(
+                study,
+                folder,
+                workers=workers,
+                cluster=cluster,
+                fresh=computing.fresh,
+                progress=show,
+            )
+        except StudyError as error:
+            raise CommandError(str(error)) from error
+
+
+def _how_far(progress: "Progress") -> str:
+    """Return points, rate and failures in words."""
+    words = [
+        f"{progress.done:,} of {progress.count:,} points".replace(",", "\N{NARROW NO-BREAK SPACE}")
+    ]
+    if progress.seconds > 0.0:
+        words.append(f"{(progress.done - progress.kept) / progress.seconds:.3g}/s")
+    if progress.failed:
+        words.append(f"{progress.failed} without a result")
+    return ", ".join(words)

@@ -1,62 +1,42 @@
 """`stickslip simulate`: one run of the FMU or of the reference, as a table, a file, a plot."""
 
-from enum import StrEnum
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Literal
 
-import typer
-
-from stickslip.commands.expanded import command
+from stickslip.commands.expanded import command, opt
 from stickslip.commands.shared import console, say
 from stickslip.errors import CommandError
 from stickslip.parameters import Parameters
 
 
-class Engine(StrEnum):
-    """What simulates."""
-
-    FMU = "fmu"
-    REFERENCE = "reference"
-
-
 @command
 def simulate(
     p: Parameters,
-    engine: Annotated[Engine, typer.Option(help="The FMU, or the SciPy reference.")] = Engine.FMU,
+    engine: Annotated[Literal["fmu", "reference"], opt("The FMU, or the SciPy reference.")] = "fmu",
     fmu: Annotated[
-        Path | None,
-        typer.Option(metavar="FILE", help="The FMU to simulate; default: one built for this run."),
+        Path | None, opt("The FMU to simulate; default: one built for this run.", "FILE")
     ] = None,
-    start_time: Annotated[str, typer.Option(metavar="TIME", help="First time [s].")] = "0",
-    stop_time: Annotated[str, typer.Option(metavar="TIME", help="Last time [s].")] = "10",
+    start_time: Annotated[str, opt("First time [s].", "TIME")] = "0",
+    stop_time: Annotated[str, opt("Last time [s].", "TIME")] = "10",
     output_interval: Annotated[
         str | None,
-        typer.Option(
-            metavar="TIME",
-            help="Distance of the samples [s]; default 0.01, doubled until 1000 are enough, "
+        opt(
+            "Distance of the samples [s]; default 0.01, doubled until 1000 are enough, "
             "or halved until a --plot is smooth.",
+            "TIME",
         ),
     ] = None,
     most_slips: Annotated[
         int | None,
-        typer.Option(
-            min=1,
-            metavar="N",
-            help="Slips that a run may have; default 1000000, of the reference 10000.",
-            show_default=False,
-        ),
+        opt("Slips that a run may have; default 1000000, of the reference 10000.", "N", min=1),
     ] = None,
     output_file: Annotated[
-        Path | None,
-        typer.Option(metavar="FILE.csv", help="Write the samples of every output here."),
+        Path | None, opt("Write the samples of every output here.", "FILE.csv")
     ] = None,
     plot: Annotated[
-        Path | None,
-        typer.Option(metavar="FILE", help="Draw position and force here: .png, .svg or .pdf."),
+        Path | None, opt("Draw position and force here: .png, .svg or .pdf.", "FILE")
     ] = None,
-    json: Annotated[
-        bool, typer.Option("--json", help="Print the figures of the cycle as JSON, SI.")
-    ] = False,
+    json: Annotated[bool, opt("Print the figures of the cycle as JSON, SI.")] = False,
 ) -> None:
     """Simulate one run and print its cycle beside the exact and the simplified one."""
     from stickslip.files import check_writable
@@ -64,7 +44,7 @@ def simulate(
     from stickslip.progress import Meter
     from stickslip.show.plot import check_format
 
-    if fmu is not None and engine is not Engine.FMU:
+    if fmu is not None and engine != "fmu":
         raise CommandError("--fmu goes with --engine fmu only")
     # What cannot be written is refused before the run, not after it.
     if output_file is not None:
@@ -76,7 +56,7 @@ def simulate(
         run = simulated(
             p,
             stop_time,
-            engine=fmu or ("reference" if engine is Engine.REFERENCE else "block"),
+            engine=fmu or ("reference" if engine == "reference" else "block"),
             start_time=start_time,
             output_interval=output_interval,
             most_slips=most_slips,

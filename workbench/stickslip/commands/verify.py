@@ -4,14 +4,12 @@ import math
 import os
 import shlex
 import sys
-from enum import StrEnum
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Literal
 
 import typer
 
-from stickslip.commands.expanded import command
-from stickslip.commands.options import FrictionLaw
+from stickslip.commands.expanded import FrictionLaw, command, opt
 from stickslip.commands.shared import (
     COULOMB,
     console,
@@ -24,7 +22,6 @@ from stickslip.errors import CommandError
 
 if TYPE_CHECKING:
     from stickslip.judgements import FmuVerdict
-    from stickslip_verification import Limits
 
 DEFAULT_REPORT = Path("report")
 
@@ -32,109 +29,108 @@ LEAST_MEMORY = 0.1
 """Gigabytes; the suite takes half of them itself."""
 
 
-class ContractName(StrEnum):
-    """The contracts that a person may choose."""
-
-    EXACT = "exact"
-    PHYSICS = "physics"
-
-
 @command
 def verify(
     *,
     fmu: Annotated[
-        Path | None,
-        typer.Option(
-            metavar="FILE", help="The FMU to verify; default: build/StickSlip.fmu, built anew."
-        ),
+        Path | None, opt("The FMU to verify; default: build/StickSlip.fmu, built anew.", "FILE")
     ] = None,
     law: FrictionLaw = COULOMB,
     names: Annotated[
-        Path | None,
-        typer.Option(metavar="FILE.toml", help="Names file: the FMU's names of the variables."),
+        Path | None, opt("Names file: the FMU's names of the variables.", "FILE.toml")
     ] = None,
     contract: Annotated[
-        ContractName | None,
-        typer.Option(help="The contract; default: exact if the FMU's description names it."),
+        Literal["exact", "physics"] | None,
+        opt("The contract; default: exact if the FMU's description names it."),
     ] = None,
-    strict: Annotated[
-        bool, typer.Option("--strict", help="Contract checks decide for any FMU.")
-    ] = False,
+    strict: Annotated[bool, opt("Contract checks decide for any FMU.")] = False,
     cases: Annotated[
         str | None,
-        typer.Option(
-            metavar="PATTERN|DIR|FILE.toml",
-            help="Only the cases of shell patterns ('damped-*,heat'), or cases of your own. Beside "
+        opt(
+            "Only the cases of shell patterns ('damped-*,heat'), or cases of your own. Beside "
             "single cases (PATTERN, FILE.toml) no probe runs that takes a fresh process: memory, "
             "serialized state, environment.",
+            "PATTERN|DIR|FILE.toml",
         ),
     ] = None,
     sequences: Annotated[
         int | None,
-        typer.Option(
-            min=0, help="Number of random sequences beside the cases; default: 320, 0 with --cases."
-        ),
+        opt("Number of random sequences beside the cases; default: 320, 0 with --cases.", min=0),
     ] = None,
-    seed: Annotated[int, typer.Option(help="Seed of the random sequences.")] = 1,
-    list_: Annotated[bool, typer.Option("--list", help="List the cases and exit.")] = False,
-    all_: Annotated[
-        bool, typer.Option("--all", help="Print every comparison, not one row per case.")
-    ] = False,
+    seed: Annotated[int, opt("Seed of the random sequences.")] = 1,
+    list_: Annotated[bool, opt("List the cases and exit.")] = False,
+    all_: Annotated[bool, opt("Print every comparison, not one row per case.")] = False,
     jobs: Annotated[
-        int | None,
-        typer.Option(min=1, help="Parallel processes, 4 per processor at most; default: one."),
+        int | None, opt("Parallel processes, 4 per processor at most; default: one.", min=1)
     ] = None,
-    time_limit: Annotated[
-        float, typer.Option(metavar="SECONDS", help="Limit for one run of the FMU.")
-    ] = 60.0,
+    time_limit: Annotated[float, opt("Limit for one run of the FMU.", "SECONDS")] = 60.0,
     budget: Annotated[
         float | None,
-        typer.Option(
-            metavar="SECONDS",
-            help="Limit for all runs of the FMU without a result together; default: 120, or the "
+        opt(
+            "Limit for all runs of the FMU without a result together; default: 120, or the "
             "time limit if that is longer.",
+            "SECONDS",
         ),
     ] = None,
-    memory: Annotated[
-        float,
-        typer.Option(metavar="GB", help="Limit for a process of the FMU; none on Windows."),
-    ] = 4.0,
+    memory: Annotated[float, opt("Limit for a process of the FMU; none on Windows.", "GB")] = 4.0,
     within: Annotated[
         str | None,
-        typer.Option(
-            metavar="PERCENT|RATIO",
-            help="What an FMU of the physics contract must be within ('1%', 0.01) in jump, stick, "
+        opt(
+            "What an FMU of the physics contract must be within ('1%', 0.01) in jump, stick, "
             "slip, period and force; default: 1e-6.",
+            "PERCENT|RATIO",
         ),
     ] = None,
-    pack: Annotated[
-        bool, typer.Option("--pack", help="Put the report into the FMU as evidence (extra/).")
-    ] = False,
+    pack: Annotated[bool, opt("Put the report into the FMU as evidence (extra/).")] = False,
     full: Annotated[
-        bool,
-        typer.Option("--full", help="Try an FMU of the physics contract on all cases, sequences."),
+        bool, opt("Try an FMU of the physics contract on all cases, sequences.")
     ] = False,
-    paper: Annotated[
-        bool, typer.Option("--paper", help="Print every comparison in the report on paper.")
-    ] = False,
+    paper: Annotated[bool, opt("Print every comparison in the report on paper.")] = False,
     output: Annotated[
-        Path,
-        typer.Option(
-            "--output", "-o", metavar="DIR|FILE.json", help="Folder of the report, or JSON alone."
-        ),
+        Path, opt("Folder of the report, or JSON alone.", "DIR|FILE.json", "--output", "-o")
     ] = DEFAULT_REPORT,
 ) -> None:
     """Check an FMU and the reference against the truth; exit 0 if all checks pass, else 1."""
     from stickslip import judgements
-    from stickslip.show import verdict_table as tables
+    from stickslip.show import verdict as tables
 
     if list_:
         console().print(tables.case_table(judgements.load_cases(cases)))
         return
-    _check(fmu, law, names)
-    _check_contract(contract, strict, pack)
-    limits = _limits(time_limit, budget, memory)
-    _check_pack(pack, fmu, names, cases)
+    from stickslip_verification import Limits
+
+    there = "not a file" if fmu and fmu.exists() else "no such file"
+    for is_wrong, refusal in (
+        (fmu and not fmu.is_file(), f"--fmu {fmu}: {there}"),
+        (
+            fmu and law != COULOMB,
+            "--law goes without --fmu: an FMU's variables say its friction law",
+        ),
+        (names and not fmu, "--names goes with --fmu: the default FMU has the standard names"),
+        (contract and strict, "--strict does not go with --contract"),
+        (contract and pack, "--pack does not go with --contract"),
+        (
+            not 0.0 < time_limit < math.inf,
+            f"--time-limit {time_limit!r}: must be above 0 s and finite",
+        ),
+        (
+            budget is not None and not 0.0 < budget < math.inf,
+            f"--budget {budget!r}: must be above 0 s and finite",
+        ),
+        (
+            not LEAST_MEMORY <= memory < math.inf,
+            f"--memory {memory!r}: must be {LEAST_MEMORY} GB at least and finite",
+        ),
+        (pack and names, "--pack does not go with --names: only the exact block takes evidence"),
+        (
+            pack and cases is not None,
+            "--pack does not go with --cases: the report in the FMU is on all cases",
+        ),
+    ):
+        if is_wrong:
+            raise CommandError(refusal)
+    if pack and fmu:
+        _check_packable(fmu)
     if cases is not None:
         judgements.load_cases(cases)
     judgements.share(within)
@@ -148,11 +144,11 @@ def verify(
             within=within,
             sequences=sequences,
             progress=progress,
-            contract=None if contract is None else contract.value,
+            contract=contract,
             strict=strict,
             jobs=jobs,
             time_limit=time_limit,
-            limits=limits,
+            limits=Limits(max(Limits.budget, time_limit) if budget is None else budget, memory),
             seed=seed,
             full=full or sequences is not None,
             command=shlex.join(["stickslip", *sys.argv[1:]]),
@@ -169,25 +165,9 @@ def verify(
         raise typer.Exit(1)
 
 
-def _check_contract(contract: ContractName | None, strict: bool, pack: bool) -> None:
-    """Refuse a chosen contract beside what leaves no choice."""
-    for option, given in (("--strict", strict), ("--pack", pack)):
-        if contract is not None and given:
-            raise CommandError(f"{option} does not go with --contract")
-
-
-def _check_pack(pack: bool, fmu: Path | None, names: Path | None, wanted: str | None) -> None:
-    """Refuse to pack a report that is not on all cases, or into a file that cannot take it."""
+def _check_packable(fmu: Path) -> None:
+    """Refuse to pack a report into a file that cannot take it."""
     from stickslip.files import check_writable
-
-    if not pack:
-        return
-    if names is not None:
-        raise CommandError("--pack does not go with --names: only the exact block takes evidence")
-    if wanted is not None:
-        raise CommandError("--pack does not go with --cases: the report in the FMU is on all cases")
-    if fmu is None:
-        return
     from stickslip_fmu.laws.named import BUILT_IN, friction_law
     from stickslip_verification.drive.instance import FmuFile
 
@@ -199,27 +179,6 @@ def _check_pack(pack: bool, fmu: Path | None, names: Path | None, wanted: str | 
     check_writable(fmu, "--pack")
     if not os.access(fmu, os.W_OK):
         raise CommandError(f"--pack {fmu}: it is write-protected")
-
-
-def _check(fmu: Path | None, law: str, names: Path | None) -> None:
-    if fmu is not None and not fmu.is_file():
-        raise CommandError(f"--fmu {fmu}: {'not a file' if fmu.exists() else 'no such file'}")
-    if fmu is not None and law != COULOMB:
-        raise CommandError("--law goes without --fmu: an FMU's variables say its friction law")
-    if names is not None and fmu is None:
-        raise CommandError("--names goes with --fmu: the default FMU has the standard names")
-
-
-def _limits(time_limit: float, budget: float | None, memory: float) -> "Limits":
-    from stickslip_verification import Limits
-
-    if not 0.0 < time_limit < math.inf:
-        raise CommandError(f"--time-limit {time_limit!r}: must be above 0 s and finite")
-    if budget is not None and not 0.0 < budget < math.inf:
-        raise CommandError(f"--budget {budget!r}: must be above 0 s and finite")
-    if not LEAST_MEMORY <= memory < math.inf:
-        raise CommandError(f"--memory {memory!r}: must be {LEAST_MEMORY} GB at least and finite")
-    return Limits(max(Limits.budget, time_limit) if budget is None else budget, memory)
 
 
 def _check_targets(output: Path) -> None:

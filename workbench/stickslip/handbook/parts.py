@@ -1,19 +1,167 @@
-"""The files of the FMU that are there to be read, by their path in it."""
+"""The files of the FMU that are there to be read, by their path in it.
 
+Its documentation (model, interface, importing, how it was verified), the page, its icon, and the
+licences of what is in it, ours and those of what it is built with.
+"""
+
+import io
 from collections.abc import Mapping
-from typing import Literal
+from importlib.metadata import distribution
+from importlib.resources import files
+from typing import TYPE_CHECKING, Any, Final, Literal, TypeAlias
 
-from stickslip.handbook.document import document, notes_on_references
-from stickslip.handbook.icon import icon
-from stickslip.handbook.licences import licences, licences_of_native
+from fmi.table import Table, Variable
 from stickslip.page import page
-from stickslip_fmu.laws.named import BUILT_IN, COULOMB_NAME
+from stickslip_fmu.interface import table_of
+from stickslip_fmu.laws.named import BUILT_IN, COULOMB_NAME, friction_law
+from stickslip_fmu.release import DATE, VERSION
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+_SOURCES: Final = files("stickslip.handbook")
+_TITLES: Final = {
+    ("parameter", False): "Parameters",
+    ("input", False): "Inputs",
+    ("output", False): "Outputs: the motion",
+    ("output", True): "Outputs: the last cycle",
+}
+"""The tables of the interface, by causality and whether the cycle meter holds the value."""
+
+
+def document(fmi_version: int, *, native: bool = False, law: str = COULOMB_NAME) -> str:
+    """Return documentation/index.html of the FMU for FMI 2.0 or 3.0 (2 or 3).
+
+    The `native` one is the FMU in C, the other one that in Python. `law` is the name of its
+    friction law, a built-in one.
+    """
+    own = friction_law(law).law.interface
+    return _rendered(
+        "index.html.j2",
+        fmi_version=fmi_version,
+        native=native,
+        licences="../licenses" if fmi_version == 2 else "licenses",
+        groups=_groups(table_of(own)),
+        model=own.model,
+        law=law,
+    )
+
+
+def notes_on_references() -> str:
+    """Return documentation/fmi-ls-ref.html: what lies in extra/, and how to use it."""
+    return _rendered("fmi-ls-ref.html.j2")
+
+
+def _rendered(template: str, **names: Any) -> str:
+    from jinja2 import Environment, StrictUndefined
+    from markupsafe import Markup
+
+    environment = Environment(
+        autoescape=True, trim_blocks=True, lstrip_blocks=True, undefined=StrictUndefined
+    )
+    return environment.from_string(_text(template)).render(
+        version=VERSION,
+        date=DATE.partition("T")[0],
+        style=Markup(_text("handbook.css")),
+        **names,
+    )
+
+
+def _text(name: str) -> str:
+    return (_SOURCES / name).read_text(encoding="utf-8")
+
+
+def _groups(table: Table) -> list[tuple[str, list[dict[str, str]]]]:
+    """Return the rows of the interface tables, by what they are to a user."""
+    groups: dict[str, list[dict[str, str]]] = {}
+    for row in table.rows:
+        metered = row.attribute.startswith("meter.")
+        name = _TITLES[row.causality, metered]
+        groups.setdefault(name, []).append(_row(row))
+    return list(groups.items())
+
+
+def _row(row: Variable) -> dict[str, str]:
+    return {
+        "name": row.name,
+        "type": row.kind,
+        "unit": "" if row.unit == "1" else row.unit,
+        "start": "" if row.start is None else f"{row.start:g}",
+        "range": row.range if row.type.items else row.range.partition("finite and ")[2],
+        "when": row.variability if row.causality == "parameter" else "",
+        "what": row.description,
+    }
+
+
+_PIXELS = 256
+_INK, _MASS, _FORCE = "#16202c", "#1a63c6", "#d9660b"
+
+
+def icon() -> bytes:
+    """Return the icon as PNG, 256 pixels square; the same bytes at every call."""
+    import matplotlib
+    from matplotlib.figure import Figure
+
+    picture = io.BytesIO()
+    # A person's own defaults are no part of the FMU.
+    with matplotlib.rc_context(matplotlib.rcParamsDefault):
+        figure = Figure(figsize=(1.0, 1.0))
+        axes = figure.add_axes((0.0, 0.0, 1.0, 1.0))
+        axes.set(xlim=(0.0, 1.0), ylim=(0.0, 1.0))
+        axes.set_axis_off()
+        _draw(axes)
+        # Without the name of what wrote it, which would change with every release of that.
+        figure.savefig(picture, format="png", dpi=_PIXELS, metadata={"Software": None})
+    return picture.getvalue()
+
+
+def _draw(axes: "Axes") -> None:
+    """Draw the mass on its way, pulled by a spring; below, it goes in jumps, the end evenly."""
+    from matplotlib.patches import FancyArrow, Rectangle
+
+    axes.plot([0.05, 0.95], [0.56, 0.56], color=_INK, lw=1.1)
+    for index in range(11):
+        left = 0.07 + 0.08 * index
+        axes.plot([left, left + 0.04], [0.515, 0.56], color=_INK, lw=0.5)
+    axes.add_patch(Rectangle((0.1, 0.56), 0.3, 0.26, facecolor=_MASS, edgecolor=_INK, lw=0.8))
+    coils = [(0.4, 0.69), (0.45, 0.69)]
+    coils += [(0.47 + 0.04 * index, 0.69 + (0.055, -0.055)[index % 2]) for index in range(6)]
+    coils += [(0.69, 0.69), (0.74, 0.69)]
+    axes.plot(*zip(*coils, strict=True), color=_FORCE, lw=1.1, solid_joinstyle="round")
+    axes.add_patch(FancyArrow(0.74, 0.69, 0.2, 0.0, width=0.016, head_width=0.09,
+                              head_length=0.07, length_includes_head=True, color=_INK))  # fmt: skip
+    steps = [(0.06, 0.08), (0.28, 0.08), (0.36, 0.2), (0.58, 0.2), (0.66, 0.32), (0.88, 0.32),
+             (0.94, 0.41)]  # fmt: skip
+    axes.plot([0.06, 0.94], [0.12, 0.46], color="#8b95a0", lw=0.8)
+    axes.plot(*zip(*steps, strict=True), color=_MASS, lw=1.5, solid_joinstyle="round")
+
+
+_WRAPPERS = {2: "pythonfmu", 3: "pythonfmu3"}
+_OURS = "The block, its FMI interface and its documentation: MIT, see stickslip.txt.\n"
+
+Runtime: TypeAlias = Mapping[str, tuple[str, bytes]]
+"""Name, description and licence of each part of an FMU that is not ours."""
+
+
+def _licences(runtime: Runtime) -> dict[str, bytes]:
+    """Return the licence texts by file name; ``license.txt`` lists the others."""
+    entry = _OURS + "".join(f"{what}, see {name}.txt.\n" for name, (what, _) in runtime.items())
+    return {
+        "license.txt": entry.encode(),
+        "stickslip.txt": _licence_of("stickslip"),
+        **{f"{name}.txt": text for name, (_, text) in runtime.items()},
+    }
+
+
+def _licence_of(package: str) -> bytes:
+    for file in distribution(package).files or ():
+        if file.name == "LICENSE":
+            return file.read_text(encoding="utf-8").encode()
+    raise FileNotFoundError(f"the installed package {package} has no file LICENSE")
 
 
 def parts(
-    fmi_version: Literal[2, 3] = 2,
-    runtime: Mapping[str, tuple[str, bytes]] | None = None,
-    law: str = COULOMB_NAME,
+    fmi_version: Literal[2, 3] = 2, runtime: Runtime | None = None, law: str = COULOMB_NAME
 ) -> dict[str, bytes]:
     """Return the files that a person finds in the FMU.
 
@@ -32,27 +180,25 @@ def parts(
     -------
     dict of bytes
         ``documentation/index.html`` and what it leads to, the icon, the licences.
+
+    Raises
+    ------
+    FileNotFoundError
+        If an installed package has lost its licence.
     """
-    found = _icon_and_licences(fmi_version, runtime)
+    folder, icon_file = ("licenses", "model.png")
+    if fmi_version == 3:
+        folder, icon_file = ("documentation/licenses", "terminalsAndIcons/icon.png")
+    native, wrapper = runtime is not None, _WRAPPERS[fmi_version]
+    if runtime is None:
+        what = f"The binaries, and the Python package {wrapper} in resources/: MIT"
+        runtime = {wrapper: (what, _licence_of(wrapper))}
+    found = {f"{folder}/{name}": text for name, text in _licences(runtime).items()}
+    found[icon_file] = icon()
     if law in BUILT_IN:
-        text = document(fmi_version, native=runtime is not None, law=law)
+        text = document(fmi_version, native=native, law=law)
         found["documentation/index.html"] = text.encode()
     if law == COULOMB_NAME:
         found["documentation/explore.html"] = page().encode()
         found["documentation/fmi-ls-ref.html"] = notes_on_references().encode()
     return found
-
-
-def _icon_and_licences(
-    fmi_version: Literal[2, 3], runtime: Mapping[str, tuple[str, bytes]] | None
-) -> dict[str, bytes]:
-    licence_folder, icon_file = (
-        ("licenses", "model.png")
-        if fmi_version == 2
-        else ("documentation/licenses", "terminalsAndIcons/icon.png")
-    )
-    texts = licences(fmi_version) if runtime is None else licences_of_native(runtime)
-    return {
-        icon_file: icon(),
-        **{f"{licence_folder}/{name}": text for name, text in texts.items()},
-    }

@@ -1,19 +1,65 @@
 """Puts the page together: markup, style, script, texts and theory in one HTML file."""
 
 import json
+import posixpath
 import re
 import tomllib
 from collections.abc import Mapping, Sequence
 from fractions import Fraction
 from functools import cache
+from graphlib import TopologicalSorter
 from importlib.resources import files
 from typing import Any, Final
 
-from stickslip.page.script import joined
 from stickslip_design.quantity import KINDS
 from stickslip_fmu.release import VERSION
 from stickslip_fmu.spec import TABLE
 from stickslip_verification import UNIT_PREFIXES, UNITS_ALONE, UNITS_WITH_PREFIX
+
+_IMPORT: Final = re.compile(r'^import \{[^}]*\} from "(?P<path>\.[^"]*)";\n', re.MULTILINE)
+_EXPORT: Final = re.compile(r"^export (?=(?:async )?(?:function|const|class)\b)", re.MULTILINE)
+_NAME: Final = re.compile(
+    r"^(?:(?:async )?function\*? |const |let |class )(?P<name>[A-Za-z_$][\w$]*)", re.MULTILINE
+)
+_PATTERN: Final = re.compile(r"^(?:const|let) [\[{]", re.MULTILINE)
+
+
+def joined(modules: Mapping[str, str]) -> str:
+    """Join modules, each after those that it needs, into one script without imports and exports.
+
+    Parameters
+    ----------
+    modules
+        Source by path, such as ``"model/cycle.js"``.
+
+    Raises
+    ------
+    KeyError
+        If a module is missing.
+    ValueError
+        If there is a circle of imports, two modules use one name, or one declares several names by
+        a pattern.
+    """
+    owners: dict[str, str] = {}
+    parts = []
+    needed = {path: _imports(path, source) for path, source in modules.items()}
+    for path in TopologicalSorter(needed).static_order():
+        text = _EXPORT.sub("", _IMPORT.sub("", modules[path]))
+        if _PATTERN.search(text):
+            raise ValueError(f"{path}: a pattern declares names; declare each by itself")
+        for found in _NAME.finditer(text):
+            other = owners.setdefault(found["name"], path)
+            if other != path:
+                raise ValueError(f"{path}: {found['name']} is a name of {other} too")
+        parts.append(text)
+    return "\n".join(parts)
+
+
+def _imports(path: str, source: str) -> list[str]:
+    folder = posixpath.dirname(path)
+    paths = (found["path"] for found in _IMPORT.finditer(source))
+    return [posixpath.normpath(posixpath.join(folder, each)) for each in paths]
+
 
 _SETTING: Final = ("m", "g", "load", "k", "c", "mu_s", "mu_k", "v")
 # Where a text holds a number of the model: its name, and how it is shown.
@@ -32,8 +78,7 @@ def page(setting: Mapping[str, float] | None = None) -> str:
     """
     from jinja2 import Environment, FunctionLoader, StrictUndefined
 
-    from stickslip.page import rows
-    from stickslip.page.texts import SCALES
+    from stickslip.page import texts
 
     environment = Environment(
         loader=FunctionLoader(_text),
@@ -45,15 +90,15 @@ def page(setting: Mapping[str, float] | None = None) -> str:
     environment.filters["figures"] = _figures
     start: dict[str, Any] = {name: TABLE.by_name[name].start for name in _SETTING}
     table = _table("applications/applications.toml")["application"]
-    applications = rows.applications(table, start)
-    story = rows.story(_table("story/story.toml")["step"], start, table)
+    applications = texts.applications(table, start)
+    story = texts.story(_table("story/story.toml")["step"], start, table)
     sentences = _table("said/said.toml")["sentence"]
     curves = _table("friction/friction.toml")["curve"]
     data = {
         # What the markup already says, the script need not.
         "controls": [*_without(_controls(), "label", "symbol"), *_parameters()],
         "units": _units(),
-        "scales": SCALES,
+        "scales": texts.SCALES,
         "applications": [
             {**kept, "cures": [cure.get("set") for cure in each["cures"]]}
             for each, kept in zip(applications, _only(applications, "id", *start), strict=True)
@@ -68,7 +113,7 @@ def page(setting: Mapping[str, float] | None = None) -> str:
         controls=_controls(),
         applications=applications,
         story=story,
-        questions=rows.questions(_table("questions/questions.toml")["question"], start, table),
+        questions=texts.questions(_table("questions/questions.toml")["question"], start, table),
         sentences=sentences,
         curves=curves,
         # As JSON that can stand inside a script element.

@@ -1,12 +1,20 @@
-"""One simulation run, whatever engine made it: samples of every output, and the events between."""
+"""One simulation run, whatever engine made it: samples of every output, and the events between.
+
+Samples go to CSV files in fmpy's format, which `fmpy.util.read_csv` reads back.
+"""
 
 import math
+import os
+import tempfile
 from dataclasses import dataclass
+from pathlib import Path
 from typing import TypeAlias
 
 import numpy as np
+from fmpy.util import write_csv as _fmpy_write_csv
 from numpy.typing import NDArray
 
+from stickslip.files import writing
 from stickslip.parameters import Parameters
 from stickslip_verification.model.verdict import Event
 
@@ -91,3 +99,47 @@ def drawable_interval(duration: float, step: float, w: float) -> float:
     """
     shortest = max(0.5 / w, duration / 20_000)
     return step / 2.0 ** max(0, math.ceil(math.log2(step / shortest)))
+
+
+def csv_bytes(samples: NDArray[np.void]) -> bytes:
+    """Return samples as the bytes of a CSV file.
+
+    fmpy writes a Boolean as ``True``, which its own reader refuses, so Booleans become 0 and 1.
+
+    Parameters
+    ----------
+    samples
+        Structured array, shape (n,): ``time`` [s] and outputs, SI.
+    """
+    numeric = np.dtype(
+        [
+            (name, np.int8 if samples.dtype[name] == np.bool_ else samples.dtype[name])
+            for name in samples.dtype.names or ()
+        ]
+    )
+    with tempfile.TemporaryFile() as stream:
+        # fmpy opens and closes what it is given: a second descriptor of the stream.
+        _fmpy_write_csv(os.dup(stream.fileno()), samples.astype(numeric))
+        stream.seek(0)
+        return stream.read()
+
+
+def write_csv(samples: NDArray[np.void], target: Path, option: str) -> None:
+    """Write samples to `target`; a file is written whole or not at all.
+
+    Parameters
+    ----------
+    samples
+        As for `csv_bytes`.
+    target
+        The file.
+    option
+        The option that named it, for the message.
+
+    Raises
+    ------
+    CommandError
+        If the file cannot be written.
+    """
+    with writing(target, option) as stream:
+        stream.write(csv_bytes(samples))

@@ -7,7 +7,7 @@ from rich.console import Group, RenderableType
 from rich.table import Table
 from rich.text import Text
 
-from stickslip.show.fitted import grid
+from stickslip.show.tables import grid
 from stickslip_design.report import tables
 from stickslip_design.verdict import Verdict
 

@@ -1,16 +1,22 @@
-"""A run as a picture: the mass beside the pulled end, the spring force with its break-away line."""
+"""A run as a picture: the mass beside the pulled end, the spring force with its break-away line.
+
+The line goes through the run's samples and events. Between two points it is the cubic with the
+slopes that the outputs give, so a slip is smooth; a stick is the straight line it is, and the
+corners stay corners.
+"""
 
 import io
+import math
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Any, Final, NamedTuple
 
 import numpy as np
+from scipy.interpolate import CubicHermiteSpline
 
 from stickslip.errors import CommandError
 from stickslip.files import writing
-from stickslip.runs.run import Run
-from stickslip.show.curve import Curve, curve, points, stick_phases
-from stickslip.show.scales import FORCES, LENGTHS, STIFFNESSES, TIMES, VELOCITIES, Scale, scale_for
+from stickslip.runs.run import Floats, Run
+from stickslip_design.shown import Scale, scale_for
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -20,6 +26,91 @@ if TYPE_CHECKING:
 
     from stickslip.runs.run import Floats
     from stickslip_ref import Interval
+
+_POINTS_PER_STEP: Final = 8
+
+_LONGEST_SMOOTH_STEP: Final = 2.0
+"""Radians of the free oscillation in a step above which a cubic would invent a motion."""
+
+
+class Curve(NamedTuple):
+    """The motion drawn: arrays of one shape (n,), SI."""
+
+    t: Floats
+    x: Floats
+    x_pull: Floats
+    F: Floats
+
+
+def points(run: Run) -> Curve:
+    """Return the samples alone: all that is known of a run with hidden events.
+
+    Parameters
+    ----------
+    run
+        The run to draw.
+
+    Returns
+    -------
+    Curve
+        The samples, shape (n,), as `curve` gives them.
+    """
+    samples = run.samples
+    return Curve(samples["time"], samples["x"], samples["x_pull"], samples["F"])
+
+
+def curve(run: Run) -> Curve:
+    """Return the curve through samples and events, exactly flat in stick.
+
+    Parameters
+    ----------
+    run
+        The run to draw; one without hidden events.
+
+    Returns
+    -------
+    Curve
+        Time [s], position of the mass and of the pulled end [m], and spring force [N], shape (n,).
+    """
+    samples = run.samples
+    k, v = run.parameters.k, run.parameters.v
+    at_events = np.array([event.time for event in run.events])
+    times = np.concatenate([samples["time"], at_events])
+    # An event at the time of a sample stands for both.
+    t, chosen = np.unique(times[::-1], return_index=True)
+    chosen = len(times) - 1 - chosen
+    is_event = chosen >= len(samples)
+    x = np.concatenate([samples["x"], [event.x for event in run.events]])[chosen]
+    x_dot = np.concatenate([samples["x_dot"], np.zeros(len(run.events))])[chosen]
+
+    h = np.diff(t)
+    part = np.arange(_POINTS_PER_STEP) / _POINTS_PER_STEP
+    t_drawn = np.append((t[:-1, None] + h[:, None] * part).ravel(), t[-1])
+    # From event to event a cubic is the best guess at any step; elsewhere a coarse step is drawn
+    # straight.
+    smooth = h * math.sqrt(k / run.parameters.m) < _LONGEST_SMOOTH_STEP
+    smooth |= is_event[:-1] & is_event[1:]
+    x_drawn = np.interp(t_drawn, t, x)
+    curved = np.append(np.repeat(smooth, _POINTS_PER_STEP), False)
+    x_drawn[curved] = CubicHermiteSpline(t, x, x_dot)(t_drawn[curved])
+    x_pull = float(samples["x_pull"][0]) + v * (t_drawn - float(samples["time"][0]))
+    return Curve(t_drawn, x_drawn, x_pull, k * (x_pull - x_drawn))
+
+
+def stick_phases(run: Run) -> list[tuple[float, float]]:
+    """Return beginning and end [s] of every stick that the events of the run show."""
+    begin = float(run.samples["time"][0]) if run.samples["mode"][0] == 0 else None
+    phases = []
+    for event in run.events:
+        if event.kind == "break-away" and begin is not None:
+            phases.append((begin, event.time))
+            begin = None
+        elif event.kind == "re-stick":
+            begin = event.time
+    if begin is not None and run.last["mode"] == 0:
+        phases.append((begin, float(run.last["time"])))
+    return phases
+
 
 FORMATS: Final = ("png", "svg", "pdf")
 
@@ -115,7 +206,7 @@ def bars(rows: "Mapping[str, Sequence[Interval]]", between: tuple[float, float])
         highest = [each.high for row in rows.values() for each in row if each.high < np.inf]
         # A closed form answers for all velocities.
         most = between[1] if between[1] < np.inf else 1.5 * max(highest, default=1.0)
-        scale = scale_for(most, VELOCITIES)
+        scale = scale_for(most, "m/s")
         low, high = between[0] / scale.size, most / scale.size
         for row, intervals in enumerate(rows.values()):
             for each in intervals:
@@ -137,7 +228,7 @@ def panels(time: "Floats", columns: "Mapping[str, Floats | None]", title: str) -
         page = Figure(figsize=(10.0, 3.2 * len(drawn)), layout="constrained")
         axes = page.subplots(len(drawn), 1, sharex=True, squeeze=False)[:, 0]
         for panel, (name, column) in zip(axes, drawn.items(), strict=True):
-            scale = scale_for(float(np.max(np.abs(column))), LENGTHS if name == "x" else FORCES)
+            scale = scale_for(float(np.max(np.abs(column))), "m" if name == "x" else "N")
             panel.plot(time, column / scale.size, color=_BLUE)
             panel.set_ylabel(f"{name}  [{scale.symbol}]")
         axes[-1].set_xlabel("time  [s]")
@@ -148,7 +239,7 @@ def panels(time: "Floats", columns: "Mapping[str, Floats | None]", title: str) -
 def _drawn(run: Run, page: "Figure") -> "Figure":
     drawn = points(run) if run.hidden_events else curve(run)
     start, stop = float(run.samples["time"][0]), float(run.last["time"])
-    time = scale_for(max(abs(start), abs(stop)), TIMES, 0.1)
+    time = scale_for(max(abs(start), abs(stop)), "s", 0.1)
     upper, lower = page.subplots(2, 1, sharex=True, height_ratios=(3, 2))
     for panel in (upper, lower):
         for begin, end in () if run.hidden_events else stick_phases(run):
@@ -165,7 +256,7 @@ def _drawn(run: Run, page: "Figure") -> "Figure":
 def _draw_motion(panel: "Axes", run: Run, drawn: Curve, time: Scale) -> None:
     from matplotlib.patches import Patch
 
-    length = scale_for(float(np.max(np.abs([drawn.x, drawn.x_pull]))), LENGTHS, 2.0)
+    length = scale_for(float(np.max(np.abs([drawn.x, drawn.x_pull]))), "m", 2.0)
     t = drawn.t / time.size
     pulled_end, mass = (
         (_points(run, 1.6), _points(run)) if run.hidden_events else ({"lw": 1.2}, {"lw": 1.8})
@@ -191,7 +282,7 @@ def _draw_motion(panel: "Axes", run: Run, drawn: Curve, time: Scale) -> None:
 def _draw_force(panel: "Axes", run: Run, drawn: Curve, time: Scale) -> None:
     lines = _break_away_lines(run)
     largest = float(np.max(np.abs([*drawn.F, *lines.values()])))
-    force = scale_for(largest, FORCES)
+    force = scale_for(largest, "N")
     look = _points(run) if run.hidden_events else {"lw": 1.8}
     panel.plot(drawn.t / time.size, drawn.F / force.size, color=_ORANGE, **look)
     for line in lines.values():
@@ -279,8 +370,8 @@ def _points(run: Run, factor: float = 1.0) -> dict[str, Any]:
 
 def _title(run: Run) -> str:
     p = run.parameters
-    stiffness = scale_for(p.k, STIFFNESSES)
-    speed = scale_for(abs(p.v), VELOCITIES)
+    stiffness = scale_for(p.k, "N/m")
+    speed = scale_for(abs(p.v), "m/s")
     words = [
         f"$m$ = {_signed(p.m)} kg",
         f"$k$ = {_signed(p.k / stiffness.size)} {stiffness.symbol}",

@@ -1,10 +1,8 @@
 """A feed axis: its numbers, and the file that a designer writes them in."""
 
-from .model import Assumed, Axis, Demand, Drive, Filter, Friction, low_pass, notch
-from .read import AxisFile, axis_file_of, axis_of, read_axis, read_axis_file
-from .refusal import AxisError
-from .template import example, template
-from .values import Number
+from .build import Number
+from .model import Assumed, Axis, AxisError, Demand, Drive, Filter, Friction, low_pass, notch
+from .read import AxisFile, axis_file_of, axis_of, example, read_axis, read_axis_file, template
 
 __all__ = [
     "Assumed",

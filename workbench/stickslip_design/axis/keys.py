@@ -14,8 +14,7 @@ from typing import Any, Final
 from stickslip_ref import COULOMB, STRIBECK, OwnParameter
 
 from ..quantity import KINDS, Kind, Units, on_data_sheet
-from .model import STANDARD_GRAVITY
-from .refusal import AxisError
+from .model import STANDARD_GRAVITY, AxisError
 
 _OF_DRIVES: Final = (
     Kind("an inertia", "kg.m2", "60 kg cm2"),

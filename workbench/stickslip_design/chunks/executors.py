@@ -24,7 +24,7 @@ from typing import Any, Final, TypeVar
 from stickslip_verification.drive.processes import discard_prints, fast_context
 
 from ..datasets import ExtraMissingError, need
-from .study import StudyError, reason
+from .store import StudyError, reason
 
 _PATIENCE: Final = 4.5
 """Seconds in which a scheduler must answer."""

@@ -18,15 +18,25 @@ from concurrent.futures import (
     wait,
 )
 from contextlib import ExitStack, closing
-from typing import Final
+from typing import Final, TypedDict
 
 from .executors import Processes, Workers, cores
 from .executors import cluster as connected
-from .manifest import STUDY, begun, key_of, manifest_of
-from .results import Results, chunk_of, failures, name_of, unpacked
-from .store import Store, store_of
-from .study import Chunk, Progress, Study, StudyError, reason
-from .work import Done, compute, work
+from .store import (
+    Chunk,
+    Progress,
+    Results,
+    Store,
+    Study,
+    StudyError,
+    chunk_of,
+    failures,
+    name_of,
+    reason,
+    store_of,
+    unpacked,
+)
+from .work import STUDY, Done, begun, compute, key_of, manifest_of, work
 
 _SHORT: Final = 2.0
 """Seconds that are not worth starting worker processes, which takes one or two."""
@@ -49,6 +59,15 @@ _WORKERS: Final = 50
 with their number (docs/scale.md)."""
 _SMALLEST: Final = 8
 """Towards the end chunks get smaller, down to this part, so that all workers end together."""
+
+
+class Computing(TypedDict, total=False):
+    """How a study is computed: arguments of `run` that others pass on."""
+
+    workers: int | None
+    cluster: str | None
+    fresh: bool
+    progress: Callable[[Progress], None] | None
 
 
 def run(

@@ -23,8 +23,7 @@ from ..points.axes import axis_points, check, read_number
 from ..points.axes import has_closed_form as axis_has_closed_form
 from ..points.blocks import WITHOUT_INFLUENCE, block_points, has_closed_form, table_of_law
 from ..points.columns import AXIS, BLOCK, FEED, WITHOUT_FEED, Column
-from ..quantity import QuantityError, typed
-from ..ranges import parse_range
+from ..quantity import QuantityError, parse_range, typed
 from ..shown import EXACT, told
 
 Values: TypeAlias = Mapping[str, NDArray[np.float64]]
@@ -107,6 +106,11 @@ def dimensions(
     OverError
         If there are less than two, a name is unknown, or a range cannot be taken.
     """
+    if not isinstance(over, Mapping):
+        raise OverError(
+            f"a map is over parameters by name, not {over!r}; expected a dictionary such as "
+            "{'v': '1..200 mm/s log 12', 'k': [500.0, 1000.0]}"
+        )
     if len(over) < 2:
         raise OverError(
             f"a map is over two parameters or more, not {len(over)}; give each as {_FORM}"
@@ -132,7 +136,10 @@ def _dimension(name: str, span: str | Sequence[float], known: Mapping[str, Quant
         values, log, shown = spaced.values(), spaced.log, spaced.symbol
     else:
         text, shown = f"the range of {name}", ""
-        values = np.asarray(span, dtype=np.float64)
+        try:
+            values = np.asarray(span, dtype=np.float64)
+        except (TypeError, ValueError):
+            raise OverError(f"{text} is {span!r}; expected a text or rising numbers") from None
         if values.ndim != 1 or values.size < 2:
             raise OverError(f"{text} has {values.size} values; at least 2 are needed, in one row")
         # Drawn as it is spaced: by equal ratios or by equal distances.

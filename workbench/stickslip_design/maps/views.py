@@ -8,7 +8,7 @@ from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import product
-from typing import TYPE_CHECKING, Any, Final, NamedTuple
+from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -16,8 +16,8 @@ from numpy.typing import ArrayLike, NDArray
 from ..datasets import need
 from ..points.columns import Regime
 from ..quantity import on_data_sheet
-from ..shown import number
-from .grid import SLAB, boxes
+from ..shown import Scale, scale_for
+from .study import SLAB, boxes
 
 if TYPE_CHECKING:
     import xarray
@@ -37,51 +37,8 @@ _BESIDE: Final = ("regime", "at_limit", "simplified_error", "v_c", "critical_fee
 _FASTEST: Final = ("v", "feed")
 """Parameters whose values follow each other in the order of computing."""
 
-_PREFIXES: Final = ((1e6, "M"), (1e3, "k"), (1.0, ""), (1e-3, "m"), (1e-6, "µ"), (1e-9, "n"))
-_PREFIXED: Final = ("m", "m/s", "s", "N", "Hz")
-_OF_STIFFNESS: Final = ((1e6, "N/µm"), (1e3, "N/mm"), (1.0, "N/m"))
 _FACTOR: Final = 50.0
 """From this ratio of largest to smallest on, colours are spaced by ratios."""
-
-
-class Unit(NamedTuple):
-    """A unit to show values in: its size in SI, and its symbol, "" for a plain number."""
-
-    size: float
-    symbol: str
-
-    def label(self, name: str) -> str:
-        """Return a name with the unit behind it."""
-        return f"{name} [{self.symbol}]" if self.symbol else name
-
-    def told(self, value: float) -> str:
-        """Return a value [SI] with its unit."""
-        return f"{number(value / self.size)} {self.symbol}".rstrip()
-
-
-def unit_of(unit: str, largest: float, typed: str = "") -> Unit:
-    """Return the unit to show values in: the typed one, else one with a prefix.
-
-    Parameters
-    ----------
-    unit
-        SI unit of the values.
-    largest
-        The largest of them [SI].
-    typed
-        The unit in which a person typed them, "" for none.
-    """
-    written, plain = on_data_sheet(typed) if typed else None, on_data_sheet(unit)
-    if written is not None and plain is not None:
-        return Unit(float(written.factor / plain.factor), typed)
-    ladder: Sequence[tuple[float, str]] = ((1.0, "" if unit == "1" else unit),)
-    if unit == "N/m":
-        ladder = _OF_STIFFNESS
-    if unit in _PREFIXED:
-        # Metres and seconds have no larger units in a workshop.
-        least = 0 if unit in ("N", "Hz") else 2
-        ladder = [(size, f"{sign}{unit}") for size, sign in _PREFIXES[least:]]
-    return next((Unit(*each) for each in ladder if largest >= each[0]), Unit(*ladder[-1]))
 
 
 @dataclass(frozen=True)
@@ -99,7 +56,7 @@ class Side:
     name: str
     description: str
     values: Floats
-    unit: Unit
+    unit: Scale
     log: bool
 
     @property
@@ -310,7 +267,7 @@ class View:
             at = ", ".join(
                 f"{name} = {units[name].told(where[name])}" for name in self._order if name in where
             )
-            unit = unit_of(self.dataset[self.main].attrs["units"], largest)
+            unit = scale_for(largest, self.dataset[self.main].attrs["units"])
             lines.append(
                 f"largest {self.variables[self.main].lower()} {unit.told(largest)} at {at}"
             )
@@ -329,7 +286,7 @@ _VERBS: Final = {
 }
 
 
-def colours(parts: Sequence[xarray.DataArray]) -> tuple[Normalize, Unit]:
+def colours(parts: Sequence[xarray.DataArray]) -> tuple[Normalize, Scale]:
     """Return how magnitudes of a variable in some slices become colours, and in which unit.
 
     The norm of matplotlib takes magnitudes in that unit.
@@ -345,7 +302,7 @@ def colours(parts: Sequence[xarray.DataArray]) -> tuple[Normalize, Unit]:
     if high == 0.0:
         low, high = 0.0, 1.0
     symbol = parts[0].attrs["units"]
-    unit = unit_of(symbol, high)
+    unit = scale_for(high, symbol)
     log = symbol != "1" and high > _FACTOR * low > 0.0
     # Below the largest by more than four powers of ten colours would tell nothing.
     low = max(low, 1e-4 * high) if log else 0.0
@@ -367,5 +324,9 @@ def _side(dataset: xarray.Dataset, name: str) -> Side:
     coordinate = dataset[name]
     values = np.asarray(coordinate.values, dtype=np.float64)
     attributes = coordinate.attrs
-    unit = unit_of(attributes["units"], float(np.abs(values).max()), attributes.get("shown_in", ""))
+    unit = scale_for(float(np.abs(values).max()), attributes["units"])
+    # As it was typed, where it was.
+    written, plain = (on_data_sheet(attributes.get(each, "")) for each in ("shown_in", "units"))
+    if written is not None and plain is not None:
+        unit = Scale(float(written.factor / plain.factor), attributes["shown_in"])
     return Side(name, attributes["long_name"], values, unit, attributes.get("spacing") == "log")

@@ -1,11 +1,15 @@
-"""A verdict as one HTML page that asks for nothing outside itself, for screen, phone and paper."""
+"""A verdict as one HTML page that asks for nothing outside itself, and as plain data for JSON."""
 
 from __future__ import annotations
 
+import math
+from collections.abc import Mapping
+from dataclasses import fields, is_dataclass
 from pathlib import Path
-from typing import Final
+from typing import Any, Final
 
 import matplotlib as mpl
+import numpy as np
 from markupsafe import Markup
 from matplotlib.figure import Figure
 
@@ -13,8 +17,11 @@ from stickslip_fmu.release import VERSION
 from stickslip_verification.report.files import environment, text_of
 from stickslip_verification.report.svg import STYLE, as_part
 
-from ..verdict import Verdict
+from ..axis.keys import KEYS
+from ..loop.stability import Swing
+from ..verdict import OperatingPoint, Verdict
 from . import plots, tables
+from .tables import standing
 
 _TEMPLATES: Final = Path(__file__).parent / "templates"
 
@@ -47,3 +54,81 @@ def _drawn(page: Figure | None, prefix: str, title: str) -> Markup | None:
         return None
     with mpl.rc_context(STYLE):
         return Markup(as_part(page, prefix, title))
+
+
+FORMAT: Final = 2
+"""Rises where a key changes its meaning or goes."""
+
+ABOUT: Final = (
+    "Numbers are SI, in the units of `units` by key. A number without end is the text 'Infinity'. "
+    "null: there is none, or it was not stated."
+)
+
+UNITS: Final = {
+    **{key.symbol: key.units[0] for key in KEYS.values() if key.units and key.symbol},
+    **{
+        key: unit
+        for unit, keys in {
+            "m/s": "feed speed low high critical_feed critical_range rigid_critical_feed "
+            "estimated_critical_feed simplified_critical_feed",
+            "m/s; of a regime the motion that a start from rest reaches": "from_rest",
+            "m": "jump simplified_jump ahead",
+            "s": "settling period delay_margin time",
+            "Hz": "frequency simplified_frequency gain_margin_at phase_margin_at",
+            "rad/s": "w",
+            "rad": "phase_margin",
+            "1": "margin amplitude damping real imag gain_margin effort depth",
+            "N": "F_s F_k",
+            "N/m": "stiffest",
+            "that of `unit` beside it": "now then",
+            "SI, as the number that it belongs to": "spread",
+            "SI, as the parameters of the friction law": "own",
+        }.items()
+        for key in keys.split()
+    },
+}
+"""The unit of every number, by its key."""
+
+_SHOWN: Final[dict[type, tuple[str, ...]]] = {
+    Swing: ("frequency",),
+    OperatingPoint: ("feed", "jumps", "judders", "jump", "frequency"),
+}
+"""Properties that stand beside the fields of a result."""
+
+
+def data(verdict: Verdict) -> dict[str, Any]:
+    """Return a verdict as what JSON knows: dicts, lists, texts, finite numbers, true and null.
+
+    Keys are the attributes of `Verdict` and of what is in it. Numbers are SI, their units stand in
+    ``units`` by key. Infinity is the text ``"Infinity"``, what is not a number null. A complex
+    gain is two lists, ``real`` and ``imag``.
+    """
+    found: dict[str, Any] = plain(verdict)
+    found["axis"] |= plain({"F_s": verdict.axis.F_s, "F_k": verdict.axis.F_k})
+    return {
+        "format": FORMAT,
+        "version": VERSION,
+        "about": ABOUT,
+        "units": dict(UNITS),
+        "standing": standing(verdict).word,
+        **found,
+    }
+
+
+def plain(value: Any) -> Any:
+    """Return a result as what JSON knows, as of `data`."""
+    if is_dataclass(value) or hasattr(value, "_asdict"):
+        names = [of.name for of in fields(value)] if is_dataclass(value) else value._fields
+        names = (*names, *_SHOWN.get(type(value), ()))
+        return {name: plain(getattr(value, name)) for name in names}
+    if isinstance(value, Mapping):
+        return {str(key): plain(part) for key, part in value.items()}
+    if isinstance(value, np.ndarray | np.generic):
+        if np.iscomplexobj(value):
+            return {"real": plain(value.real), "imag": plain(value.imag)}
+        return plain(value.tolist())
+    if isinstance(value, tuple | list):
+        return [plain(part) for part in value]
+    if isinstance(value, float) and not math.isfinite(value):
+        return None if math.isnan(value) else "Infinity" if value > 0.0 else "-Infinity"
+    return value

@@ -10,8 +10,7 @@ from typing import Any, Final, Literal, NamedTuple
 from ..axis import Axis, Filter
 from ..loop.response import Cut
 from ..shown import EXACT, NONE, decibels, number, per_minute, shown_in, told
-from ..verdict import AxisCure, Verdict
-from ..words import ranges_in_words
+from ..verdict import AxisCure, Verdict, ranges_in_words
 
 Tone = Literal["good", "warn", "bad"]
 Motion = Literal["jumps", "both", "swings", "even"]

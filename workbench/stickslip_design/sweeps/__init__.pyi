@@ -1,3 +1,3 @@
+from .model import SweepError as SweepError
 from .model import read_model as read_model
-from .refusal import SweepError as SweepError
 from .study import sweep as sweep

@@ -14,12 +14,15 @@
     x = ["jump", "period"]
 
 The fields of `Plan` are what may stand in one; names of variables are those of the model.
+`template` writes one to begin with.
 """
 
 from __future__ import annotations
 
+import json
 import math
 import re
+import textwrap
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Annotated, Any, Final, TypeAlias
@@ -29,10 +32,9 @@ from pydantic.dataclasses import dataclass
 
 from stickslip_verification.model.data_file import WRITTEN, DataError, DataFile, Written
 
-from ..quantity import QuantityError, typed
-from ..ranges import BETWEEN
-from .reductions import REDUCTIONS
-from .refusal import SweepError, nearest
+from ..quantity import BETWEEN, QuantityError, typed
+from .model import Model, SweepError, Variable, nearest
+from .runs import REDUCTIONS
 
 TIME_LIMIT: Final = 60.0
 """Seconds that a run may take where the plan says nothing."""
@@ -171,11 +173,6 @@ class Plan(Written):
         return {name: time for name in names if (time := getattr(self, name)) is not None}
 
     @property
-    def reduces(self) -> bool:
-        """Whether a result needs the samples on the way, and not the last one alone."""
-        return any(REDUCTIONS[name].whole for names in self.outputs.values() for name in names)
-
-    @property
     def as_json(self) -> dict[str, Any]:
         """What the results depend on, without the contents of tables."""
         return {
@@ -215,3 +212,57 @@ class PlanFile(DataFile):
     def file(self, written: str) -> Path:
         """Return the path of a table that the plan names."""
         return self.path.parent / written
+
+
+_WIDE: Final = 100
+"""Characters of a line."""
+_BARE: Final = re.compile(r"[A-Za-z0-9_-]+(?:\.[A-Za-z0-9_-]+)*")
+
+
+def template(model: Model) -> str:
+    """Return the text of a plan in which every variable of a model stands, most as comments.
+
+    It can be read at once: without changes it does one run and keeps the last values of the
+    outputs.
+    """
+    help_of = {name: str(one.description) for name, one in Plan.__pydantic_fields__.items()}  # type: ignore[attr-defined]
+    driven = {wire.input for wire in model.wires}
+    usable = [one for one in model.variables.values() if not one.obstacle]
+    first = [one for one in usable if one.starts and one.name not in driven]
+    stop = model.experiment.get("stop_time", 1.0)
+    step = model.experiment.get("step", stop / 1000.0)
+
+    def starts(kind: str) -> list[str]:
+        variables = [one for one in first if kind in one.causality.lower()]
+        bound = {name: repr(value) for name, value in model.bound.items()}
+        return [
+            "# " + _entry(one, bound.get(one.name, one.start_text or "0.0")) for one in variables
+        ]
+
+    lines = [
+        *_comment(f"Plan of stickslip sweep for {model.path.name}. A number is in the unit of its"
+                  " variable, which stands behind it; a text may have another: \"40 N/um\"."),
+        *_comment('Several values make a grid: [0.3, 0.4], "0.3..0.5 5", "1e3..1e5 N/m log 50".'),
+        "",
+        f"stop_time = {stop:g}  # s",
+        f"step = {step:g}  # s; {help_of['step'].partition(';')[0]}",
+        "# settle = 0.0  # s; " + help_of["settle"].partition(" [s]")[0],
+        f"# time_limit = {TIME_LIMIT:g}  # s; " + help_of["time_limit"].partition(" [s]")[0],
+        "# points = \"points.csv\"  # " + help_of["points"],
+        "", *_comment(help_of["parameters"]), "[parameters]", *starts("parameter"),
+        "", *_comment(help_of["inputs"]), "[inputs]", *starts("input"),
+        "", *_comment("; ".join(f"{name}: {one.meaning}" for name, one in REDUCTIONS.items())),
+        "[outputs]", *(_entry(one, '"last"') for one in usable if one.causality == "output"),
+    ]  # fmt: skip
+    return "\n".join(lines) + "\n"
+
+
+def _entry(variable: Variable, value: str) -> str:
+    name, about = variable.name, ", ".join(filter(None, (variable.unit, variable.description)))
+    quoted = name if _BARE.fullmatch(name) else json.dumps(name, ensure_ascii=False)
+    plain = "".join(letter if letter.isprintable() else " " for letter in about)
+    return f"{quoted} = {value}" + (f"  # {plain}" if plain else "")
+
+
+def _comment(text: str) -> list[str]:
+    return [f"# {line}" for line in textwrap.wrap(text, _WIDE - 2)]

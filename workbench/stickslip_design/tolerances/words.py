@@ -9,10 +9,9 @@ from typing import Final
 from ..points.axes import check
 from ..report.tables import Grid
 from ..shown import EXACT, NONE, number, per_minute, told
-from .distributions import Distribution
-from .indices import Indices
-from .probability import Probability, probability
-from .result import Outcome, Scatter
+from .machines import Distribution
+from .statistics import Indices, Probability, probability
+from .study import Outcome, Scatter
 
 _LEAST_TOLD: Final = 0.05
 """Parts of a variance below this are left out of a sentence."""

@@ -1,0 +1,66 @@
+"""``dataset.stickslip``, for the datasets of xarray once stickslip is imported, before or after.
+
+xarray itself takes half a second to import, so it is waited for.
+"""
+
+from __future__ import annotations
+
+import sys
+from importlib.machinery import ModuleSpec
+from importlib.util import find_spec
+from types import ModuleType
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    import xarray
+    from matplotlib.figure import Figure
+
+
+class Accessor:
+    """``dataset.stickslip``, where the dataset is that of a map."""
+
+    def __init__(self, dataset: xarray.Dataset) -> None:
+        self._dataset = dataset
+
+    def plot(self) -> Figure:
+        """Draw the jump over the first two parameters, further ones as the block or axis has them.
+
+        Raises
+        ------
+        ValueError
+            If the dataset is not that of a map.
+        """
+        from stickslip_design.maps.page import figure_of
+
+        return figure_of(self._dataset)
+
+
+class _Waiting:
+    """A finder of modules that gives xarray its accessor once it is imported."""
+
+    def find_spec(self, name: str, path: Any = None, target: Any = None) -> ModuleSpec | None:
+        if name != "xarray":
+            return None
+        sys.meta_path.remove(self)
+        spec = find_spec(name)
+        if spec is not None and spec.loader is not None:
+            execute = spec.loader.exec_module
+
+            def execute_and_register(module: ModuleType) -> None:
+                execute(module)
+                _give(module)
+
+            spec.loader.exec_module = execute_and_register  # type: ignore[method-assign]
+        return spec
+
+
+def _give(module: Any) -> None:
+    module.register_dataset_accessor("stickslip")(Accessor)
+
+
+def register() -> None:
+    """Give the datasets of xarray their `Accessor`, at once or as soon as it is imported."""
+    if "xarray" in sys.modules:
+        _give(sys.modules["xarray"])
+    else:
+        sys.meta_path.insert(0, _Waiting())

@@ -1,0 +1,415 @@
+"""Results as tables that fit the line they are printed on: limits, cycles, scores, sweeps."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections import Counter
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, Final
+
+import numpy as np
+from rich.box import SIMPLE_HEAD
+from rich.console import Console, ConsoleOptions, Group, RenderableType, RenderResult
+from rich.measure import Measurement
+from rich.segment import Segment
+from rich.table import Table
+from rich.text import Text
+
+import stickslip_ref
+from stickslip.runs.run import Run
+from stickslip_design.shown import scale_for
+from stickslip_ref import CriticalVelocity, Interval, Regime
+
+if TYPE_CHECKING:
+    import xarray
+
+    from stickslip_score import Compared, Score
+
+_UNBOUND: Final = 10_000
+"""Characters in a line that fits any table."""
+
+
+def grid(
+    head: Sequence[str],
+    rows: Iterable[Sequence[Any]] = (),
+    *,
+    texts: Collection[int] = (0,),
+    title: str | None = None,
+    **look: Any,
+) -> Table:
+    """Make a table: its headings, its rows, and which columns are texts and not numbers."""
+    table = Table(title=title, title_justify="left", title_style="bold", box=SIMPLE_HEAD, **look)
+    for place, heading in enumerate(head):
+        table.add_column(heading, justify="left" if place in texts else "right", overflow="fold")
+    for row in rows:
+        table.add_row(*row)
+    return table
+
+
+class Fitted:
+    """A table in the fullest form that fits the line, with notes below and no blanks at line ends.
+
+    Parameters
+    ----------
+    forms
+        The same table, the widest first. The last one is taken where none fits.
+    notes
+        What stands below the table.
+    """
+
+    def __init__(self, forms: Sequence[RenderableType], *notes: RenderableType) -> None:
+        self._forms, self._notes = forms, notes
+
+    def __rich_console__(self, console: Console, options: ConsoleOptions) -> RenderResult:
+        unbound = options.update(max_width=_UNBOUND)
+        fitting = (
+            form
+            for form in self._forms
+            if Measurement.get(console, unbound, form).maximum <= options.max_width
+        )
+        shown = Group(next(fitting, self._forms[-1]), *self._notes)
+        for line in console.render_lines(shown, options, pad=False):
+            yield from _without_blanks_at_the_end(line)
+            yield Segment.line()
+
+
+def _without_blanks_at_the_end(line: list[Segment]) -> list[Segment]:
+    kept = list(line)
+    while kept and not kept[-1].text.strip():
+        kept.pop()
+    if kept:
+        text, style, control = kept[-1]
+        kept[-1] = Segment(text.rstrip(), style, control)
+    return kept
+
+
+_KINDS = {
+    "eigenvalue": "eigenvalue",
+    "grazing": "grazing",
+    "fold": "fold",
+    "reversal": "reversal",
+    "none": "search",
+}
+
+
+def critical_table(found: CriticalVelocity, there: Regime | None = None) -> RenderableType:
+    """Make the table of a limit, with what happens at a velocity where it is given."""
+    rows = [
+        *_intervals("a cycle with a stick exists", found.cycle, proven=found.proven),
+        *_intervals("steady sliding is unstable", found.unstable, proven=found.proven),
+    ]
+    notes = [] if found.proven else [_searched(found)]
+    if there is not None:
+        notes.insert(0, f"at {_speed(there.speed)} the mass {there.words}{_settles(there)}")
+    table = grid(("", "from", "", "to", ""), rows, texts=(0, 2, 4))
+    return Group(table, *(Text(note) for note in notes))
+
+
+def _settles(there: Regime) -> str:
+    if there.kinds != ("even",) or math.isinf(there.settling):
+        return ""
+    return f": within 5 % of the speed {there.settling:.3g} s after it breaks away from rest"
+
+
+def _intervals(name: str, ranges: Sequence[Interval], *, proven: bool) -> list[list[str]]:
+    if not ranges:
+        return [[name, "none exists" if proven else "none found", "", "", ""]]
+    return [
+        [
+            "" if number else name,
+            _speed(each.low),
+            _kind(each.low, each.low_end),
+            _speed(each.high),
+            _kind(each.high, each.high_end),
+        ]
+        for number, each in enumerate(ranges)
+    ]
+
+
+def _kind(v: float, kind: str) -> str:
+    return "" if v in (0.0, math.inf) else _KINDS[kind]
+
+
+def _speed(v: float) -> str:
+    return "no end" if math.isinf(v) else scale_for(v, "m/s").text(v)
+
+
+def _searched(found: CriticalVelocity) -> str:
+    low, high = found.between
+    return (
+        f"searched: {_speed(low)} to {_speed(high)} (--from, --to); nothing narrower than 1 % of v "
+        "was looked for"
+    )
+
+
+_ROWS: tuple[tuple[str, str, str], ...] = (
+    ("F_s", "break-away force", "N"),
+    ("spring_drop", "spring relief in a slip", "m"),
+    ("delta_x", "jump of the mass", "m"),
+    ("t_stick", "time in stick", "s"),
+    ("t_slip", "time in slip", "s"),
+    ("T", "period", "s"),
+    ("f", "frequency", "Hz"),
+    ("x_dot_peak", "peak velocity", "m/s"),
+)
+
+
+_STYLES = {"measured": "bold", "exact": "", "simplified": "dim"}
+
+
+@dataclass(frozen=True)
+class Row:
+    """A quantity of the cycle, SI: measured in the run, exact and simplified; NaN where none."""
+
+    name: str
+    meaning: str
+    unit: str
+    measured: float
+    exact: float
+    simplified: float
+
+
+def cycle_rows(run: Run, p: stickslip_ref.Parameters | None) -> Iterator[Row]:
+    """Return the rows of the table: the last cycle of the run, and both columns of the theory.
+
+    Without parameters, under a friction law without such formulas, both columns are empty.
+    """
+    exact = designers = None
+    if p is not None:
+        exact, designers = stickslip_ref.steady_cycle(p), stickslip_ref.simplified(p)
+    seen = _measured_names(run)
+    if p is not None and stickslip_ref.COULOMB.ages(p):
+        # The output shows the value of the last sample, and both theories that of the break-away.
+        seen -= {"F_s"}
+    return _rows({name: float(run.last[name]) for name in seen}, exact, designers)
+
+
+def _rows(measured: Mapping[str, float], exact: object, designers: object) -> Iterator[Row]:
+    for name, meaning, unit in _ROWS:
+        both = (float(getattr(each, name, math.nan)) for each in (exact, designers))
+        yield Row(name, meaning, unit, measured.get(name, math.nan), *both)
+
+
+def cycle_table(run: Run, p: stickslip_ref.Parameters | None) -> RenderableType:
+    """Make the table of the cycle, with a line that says so where there is none.
+
+    Where the line is short, what the quantities mean is left out; where it is shorter still, the
+    deviations are too. Without parameters there is one column, that of the run.
+    """
+    rows = list(cycle_rows(run, p))
+    if p is None:
+        return _table(_title(run), rows, ("measured",))
+    forms = [
+        _table(_title(run), rows, explained=explained, compared=compared)
+        for explained, compared in ((True, True), (False, True), (False, False))
+    ]
+    notes = list(_no_cycle(run, p))
+    # The break-away force is the same in all columns and needs no note.
+    if any(not math.isnan(row.simplified) for row in rows if row.name != "F_s"):
+        notes.append(
+            "simplified: as designers write it; its jump is the spring's relief, its time in stick "
+            "the first load-up, its time in slip the limit for v → 0"
+        )
+    return Fitted(forms, *(Text(note) for note in notes))
+
+
+def theory_table(
+    exact: stickslip_ref.Cycle, designers: stickslip_ref.SimplifiedCycle
+) -> RenderableType:
+    """Make the table of the steady cycle, exact and as designers write it."""
+    rows = list(_rows({}, exact, designers))
+    return _table("Steady cycle", rows, ("exact", "simplified"))
+
+
+def _table(
+    title: str,
+    rows: Sequence[Row],
+    columns: Sequence[str] = ("measured", "exact", "simplified"),
+    *,
+    explained: bool = True,
+    compared: bool = True,
+) -> Table:
+    compared = compared and "exact" in columns
+    lines = []
+    for row in rows:
+        shown = next((x for x in (row.exact, row.measured, row.simplified) if x == x), 0.0)
+        scale = scale_for(shown, row.unit)
+        cells = [row.meaning] if explained else []
+        cells += [row.name, scale.symbol]
+        for name in columns:
+            value: float = getattr(row, name)
+            cells.append(_number(value / scale.size))
+            if compared and name != "exact":
+                cells.append(_deviation(value, row.exact))
+        lines.append(cells)
+    head = ["quantity", "", "unit"] if explained else ["quantity", "unit"]
+    texts = range(len(head))
+    styles = [""] * len(head)
+    for name in columns:
+        own = [name, "from exact"] if compared and name != "exact" else [name]
+        head += own
+        styles += [_STYLES[name]] * len(own)
+    table = grid(head, lines, texts=texts, title=title)
+    for column, style in zip(table.columns, styles, strict=True):
+        column.style = style
+    return table
+
+
+def _measured_names(run: Run) -> set[str]:
+    """Name the rows that the meter has filled by the end of the run."""
+    last = run.last
+    names = {"F_s"}
+    if last["n_slips"] > 0:
+        names |= {"spring_drop", "delta_x", "t_slip", "x_dot_peak"}
+    if last["T"] > 0.0:
+        names |= {"t_stick", "T", "f"}
+    return names
+
+
+def _title(run: Run) -> str:
+    slips = int(run.last["n_slips"])
+    start, stop = float(run.samples["time"][0]), float(run.last["time"])
+    return f"{run.engine}: {slips} slip{'' if slips == 1 else 's'} in {stop - start:g} s"
+
+
+def _no_cycle(run: Run, p: stickslip_ref.Parameters) -> Iterator[str]:
+    """Say why a column of the table is empty."""
+    exact = stickslip_ref.steady_cycle(p)
+    if not exact.exists:
+        yield f"No steady stick-slip cycle exists: {_why_none(p)}."
+    elif not run.last["T"] > 0.0:
+        missing = "never broke away" if run.last["mode"] == 0 else "slips since the start"
+        if run.last["n_slips"] > 0 or run.events:
+            missing = "did not break away twice"
+        yield (
+            f"No cycle in this run: the mass {missing}; "
+            f"a cycle of these parameters takes {exact.T:.4g} s after the first break-away."
+        )
+
+
+def _why_none(p: stickslip_ref.Parameters) -> str:
+    if p.v == 0.0:
+        return "the pulled end does not move (v = 0)"
+    if p.zeta >= 1.0:
+        return f"the slip is over-damped (zeta = {p.zeta:.4g}) and ends in steady sliding"
+    if p.Delta == 0.0:
+        return "without a gap between mu_s and mu_k the damped slip ends in steady sliding"
+    if stickslip_ref.COULOMB.ages(p):
+        return f"at this speed the mass {stickslip_ref.regime(p).words}"
+    v_c = float(stickslip_ref.coulomb_limit(p))
+    scale = scale_for(v_c, "m/s")
+    return (
+        f"|v| is above the critical velocity v_c = {v_c / scale.size:.4g} {scale.symbol}, "
+        "so a slip ends in steady sliding"
+    )
+
+
+def _number(value: float) -> str:
+    return "–" if math.isnan(value) else f"{value:.6g}"
+
+
+def _deviation(value: float, exact: float) -> str:
+    if math.isnan(value) or math.isnan(exact):
+        return "–"
+    if value == exact:
+        return "0"
+    if exact == 0.0:
+        return "–"
+    deviation = (value - exact) / exact
+    return f"{deviation:+.1e}" if abs(deviation) < 1e-4 else f"{100.0 * deviation:+.2f} %"
+
+
+_QUANTITIES: Final[tuple[tuple[str, str, str], ...]] = (
+    ("period", "T", "s"),
+    ("stick", "t_stick", "s"),
+    ("slip", "t_slip", "s"),
+    ("jump", "delta_x", "m"),
+)
+
+
+def score_table(score: Score) -> RenderableType:
+    """Make the table of a score: curve beside exact cycle, then cause, sentence and findings.
+
+    Errors and resolutions stand each in a unit of their own size; symbols and resolution are left
+    out where the line is short.
+    """
+    forms = [
+        _compared(score, named=named, resolved=resolved)
+        for named, resolved in ((True, True), (True, False), (False, False))
+    ]
+    mild = dict.fromkeys(("noisy", "solver_tolerance"), "bold yellow")
+    style = {"exact": "bold green", **mild}.get(score.cause, "bold red")
+    cause = Text.assemble((score.cause, style), f": {_sentence(score)}")
+    return Fitted(forms, cause, *(Text(f"note: {finding}") for finding in score.findings))
+
+
+def _sentence(score: Score) -> str:
+    """Return the explanation without the name of the cause that stands before it."""
+    first, colon, rest = score.explanation.partition(": ")
+    return rest if colon and first.startswith(("regularised", "fixed steps")) else score.explanation
+
+
+def _compared(score: Score, *, named: bool, resolved: bool) -> Table:
+    cycles = f"{score.cycles} cycle{'' if score.cycles == 1 else 's'}"
+    rows = []
+    for meaning, name, unit in _QUANTITIES:
+        compared = getattr(score, "period" if name == "T" else name)
+        cells = list(_cells(compared, unit))
+        rows.append((meaning, *([name] if named else []), *(cells if resolved else cells[:-1])))
+    head = ("quantity", *([""] if named else []), "curve", "exact", "error")
+    return grid(
+        (*head, "resolution") if resolved else head,
+        rows,
+        texts=(0, 1) if named else (0,),
+        title=f"Curve against exact cycle, mean of {cycles}",
+    )
+
+
+def _cells(compared: Compared, unit: str) -> Iterator[str]:
+    shown = next((x for x in (compared.exact, compared.got) if x is not None), 0.0)
+    of_motion = scale_for(shown, unit)
+    for value in (compared.got, compared.exact):
+        yield "–" if value is None else of_motion.text(value)
+    for value, sign, form in ((compared.error, "", "+.3g"), (compared.resolution, "±", ".3g")):
+        yield "–" if value is None else sign + scale_for(value, unit).text(value, form)
+
+
+MOST_REASONS: Final = 8
+"""Reasons of failures that are shown, the most frequent first."""
+
+_NUMBER: Final = re.compile(r"[+-]?\d+(?:\.\d+)?(?:[eE][+-]?\d+)?")
+
+
+def sweep_summary(found: xarray.Dataset) -> RenderableType:
+    """Make the summary of a sweep."""
+    reasons = [str(each) for each in found["failure"].values.ravel().tolist() if each]
+    runs = int(found["failure"].size)
+    failed = f", {len(reasons)} failed" if reasons else ", none failed"
+    said = Text(f"{runs} run{'' if runs == 1 else 's'}{failed}")
+    parts: list[RenderableType] = [_results(found), said]
+    # Messages of one reason differ in their numbers.
+    alike = Counter(_NUMBER.sub("...", each) for each in reasons)
+    first = {_NUMBER.sub("...", each): each for each in reversed(reasons)}
+    for kind, count in alike.most_common(MOST_REASONS):
+        such = "such as: " if count > 1 and kind != first[kind] else ""
+        parts.append(Text(f"  {count} x {such}{first[kind]}"))
+    if len(alike) > MOST_REASONS:
+        parts.append(Text(f"  and {len(alike) - MOST_REASONS} more reasons"))
+    return Group(*parts)
+
+
+def _results(found: xarray.Dataset) -> Table:
+    rows = []
+    ok = found["failure"].values.ravel() == ""
+    for name, column in found.data_vars.items():
+        if name == "failure":
+            continue
+        values = np.asarray(column.values).ravel()[ok]
+        known = values[~np.isnan(values)]
+        ends = [f"{known.min():.6g}", f"{known.max():.6g}"] if known.size else ["", ""]
+        lacking = str(values.size - known.size) if values.size > known.size else ""
+        about = column.attrs
+        rows.append((name, about.get("units", ""), *ends, lacking, about.get("long_name", "")))
+    return grid(("result", "unit", "least", "greatest", "NaN", "meaning"), rows, texts=(0, 1, 5))
