@@ -14,7 +14,8 @@ from contextlib import closing, contextmanager
 from pathlib import Path
 
 from benchmarks.settings import Busy
-from stickslip_design.chunks.executors import Processes, Workers, cluster
+from stickslip_design.chunks.run import Processes, Workers
+from stickslip_design.chunks.run import cluster_of as cluster
 from stickslip_design.chunks.store import Chunk, store_of
 from stickslip_design.chunks.work import STUDY, Done, begun, compute, key_of, manifest_of, work
 

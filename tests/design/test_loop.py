@@ -15,9 +15,8 @@ from stickslip_design.critical import rigid_critical_feed
 from stickslip_design.loop import system as matrices
 from stickslip_design.loop.jumps import jump_at, limit_of_jumps
 from stickslip_design.loop.motion import Motion, Point, walk
-from stickslip_design.loop.response import open_loop
 from stickslip_design.loop.rest import Start, hunting
-from stickslip_design.loop.stability import gain_limits, is_stable, swing
+from stickslip_design.loop.stability import gain_limits, is_stable, open_loop, swing
 from stickslip_design.loop.system import Mode, System
 from tests.design.axes import SERVO, driven
 

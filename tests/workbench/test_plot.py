@@ -12,8 +12,7 @@ from hypothesis import strategies as st
 import stickslip_ref
 from stickslip.errors import CommandError
 from stickslip.parameters import Parameters
-from stickslip.runs.engines import Experiment, simulate_reference
-from stickslip.runs.run import Run, fitting_interval, sample_times
+from stickslip.runs import Experiment, Run, fitting_interval, sample_times, simulate_reference
 from stickslip.show.plot import curve, figure, stick_phases, write_plot
 from stickslip_design.shown import scale_for
 from stickslip_verification import events_between

@@ -15,7 +15,7 @@ from fmpy.util import read_csv
 
 from stickslip import cli, library
 from stickslip.parameters import Parameters
-from stickslip.runs.engines import Experiment, experiment, simulate_fmu, simulate_reference
+from stickslip.runs import Experiment, experiment, simulate_fmu, simulate_reference
 from stickslip_fmu.release import VERSION
 from stickslip_fmu.spec import TABLE
 from tests.interrupting import PROGRAM, session, wait_for_work

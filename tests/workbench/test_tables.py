@@ -8,7 +8,7 @@ import pytest
 from rich.console import Console, RenderableType
 
 from stickslip.library import simulate
-from stickslip.runs.engines import reference_parameters
+from stickslip.runs import reference_parameters
 from stickslip.show.tables import critical_table, cycle_table, score_table
 from stickslip.show.verdict import verdict_table
 from stickslip_ref import CriticalVelocity, Interval, Regime, StickSlip, Swinging

@@ -230,7 +230,7 @@ class Design(Shown):
 
     def table(self) -> RenderableType:
         """Return the summary, for rich."""
-        from stickslip.show.design_summary import design_summary
+        from stickslip.show.tables import design_summary
 
         return design_summary(self.verdict)
 

@@ -18,14 +18,14 @@ import stickslip_ref
 from stickslip.files import make_folder
 from stickslip.parameters import ParameterError, Parameters, above_zero
 from stickslip.results import Shown
-from stickslip.runs.engines import (
+from stickslip.runs import Run as Samples
+from stickslip.runs import (
     check_slips,
     experiment,
     reference_parameters,
     simulate_fmu,
     simulate_reference,
 )
-from stickslip.runs.run import Run as Samples
 from stickslip_fmu.laws.named import COULOMB_NAME
 
 if TYPE_CHECKING:
@@ -33,7 +33,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
     from rich.console import RenderableType
 
-    from stickslip.runs.run import Floats
+    from stickslip.runs import Floats
 
 _MOST_SLIPS = (1_000_000, 10_000)
 """Slips that a run of the block, of the reference may have: each takes less than a minute."""
@@ -98,7 +98,7 @@ class Run(Samples, Shown):
 
     def write_csv(self, target: Path | str, option: str = "file") -> None:
         """Write the samples as a CSV file that fmpy reads; `option` names it in a refusal."""
-        from stickslip.runs.run import write_csv
+        from stickslip.runs import write_csv
 
         write_csv(self.samples, Path(target), option)
 

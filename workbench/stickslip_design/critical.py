@@ -1,10 +1,13 @@
-"""The critical feed of an axis, the highest that it reaches in jumps, and its jump at a feed."""
+"""The critical feed of an axis, the highest that it reaches in jumps; its motion at a feed."""
 
 from __future__ import annotations
 
 import math
 from dataclasses import replace
 from typing import Final, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
 
 from stickslip_ref import (
     EVEN,
@@ -21,11 +24,11 @@ from stickslip_ref import (
 )
 
 from .axis import Axis
-from .loop.courses import jolted, regime_in_loop
-from .loop.jumps import Limit, limit_of_jumps
-from .loop.lines import line_at
-from .loop.ranges import jump_ranges
+from .loop.courses import jolted, jump_ranges, regime_in_loop
+from .loop.jumps import Limit, limit_of_jumps, loaded
+from .loop.motion import Motion, walk
 from .loop.stability import is_stable, swing, unstable_feeds
+from .loop.system import TABLE, Mode, System, line_at
 
 _CYCLES: Final = 12
 """Cycles after which a jump under a law without a closed form is read."""
@@ -149,3 +152,42 @@ def jumps_of(axis: Axis, feed: float) -> Jumps | None:
 def damped(axis: Axis, zeta: float) -> Axis:
     """Return the axis with another damping ratio of table and spring [-]."""
     return replace(axis, c=2.0 * zeta * math.sqrt(axis.k * axis.m))
+
+
+Floats = NDArray[np.float64]
+
+_POINTS: Final = 600
+
+
+class Record(NamedTuple):
+    """A motion: times [s] since the break-away, and how far the table is ahead of the feed [m]."""
+
+    time: Floats
+    ahead: Floats
+
+
+def record(axis: Axis, feed: float, span: float) -> Record:
+    """Return how the table moves after a break-away at a feed [m/s], above 0, over a span [s]."""
+    time = np.linspace(0.0, span, _POINTS)
+    place = _of_rigid(axis, feed, time) if axis.drive is None else _of_servo(axis, feed, time)
+    return Record(time, place - feed * time)
+
+
+def _of_rigid(axis: Axis, feed: float, time: Floats) -> Floats:
+    p = axis.block(feed)
+    load_up = max(axis.F_s - axis.along, 0.0) / (axis.k * feed)
+    law, own = axis.friction.law, axis.friction.own
+    run = simulate(p, load_up + float(time[-1]), times=load_up + time, law=law, own=own)
+    place: Floats = run.x - run.x[0]
+    return place
+
+
+def _of_servo(axis: Axis, feed: float, time: Floats) -> Floats:
+    motion = Motion(System(axis))
+    mode, point = Mode(0, 1), loaded(motion.system, feed)
+    place = np.empty_like(time)
+    for number, step in enumerate(np.diff(time, prepend=0.0)):
+        *_, turn = walk(motion, mode, point, float(step))
+        mode, point = turn.mode, turn.point
+        place[number] = point.state[TABLE]
+    return place if math.isfinite(float(place[-1])) else np.full_like(time, math.nan)

@@ -11,20 +11,20 @@ from stickslip_ref import CriticalVelocity, merged, simplified
 
 from .axis import Axis, AxisFile, Number
 from .critical import (
+    Record,
     critical_feed,
     estimated_critical_feed,
     limits_of,
+    record,
     regime_of,
     rigid_critical_feed,
     simplified_critical_feed,
 )
 from .levers import BELOW, END, cured, cures
 from .loop.jumps import Limit
-from .loop.response import Response, open_loop
 from .loop.rest import Hunting, Start, hunting
-from .loop.stability import gain_limits, is_stable, swing
+from .loop.stability import Response, gain_limits, is_stable, open_loop, swing
 from .one_thread import one_thread
-from .record import Record, record
 from .verdict import AxisCure, OperatingPoint, Verdict, feed_in_words, in_words, judder, smallest
 
 _UNANSWERED: Final = (

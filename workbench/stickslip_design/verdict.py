@@ -13,10 +13,9 @@ from typing import Final
 from stickslip_ref import EVEN, CriticalVelocity, Interval, Regime
 
 from .axis import Axis
-from .loop.response import Response
+from .critical import Record
 from .loop.rest import Hunting
-from .loop.stability import GainLimits, Swing, gain_limits
-from .record import Record
+from .loop.stability import GainLimits, Response, Swing, gain_limits
 from .shown import EXACT, number, per_minute, shown_in, told
 
 WORTHWHILE: Final = 10.0

@@ -58,7 +58,7 @@ def command(function: Callable[..., None]) -> Callable[..., None]:
     """
     options: list[inspect.Parameter] = []
     made: dict[str, tuple[Any, list[str]]] = {}
-    hints = get_type_hints(function, include_extras=True)
+    hints = _hints(function)
     for parameter in inspect.signature(function).parameters.values():
         hint = hints[parameter.name]
         kind, *extra = get_args(hint) or (hint,)
@@ -95,9 +95,12 @@ def command(function: Callable[..., None]) -> Callable[..., None]:
     return run
 
 
+_hints = functools.cache(functools.partial(get_type_hints, include_extras=True))
+
+
 def _of_field(kind: Any, field: Field[Any]) -> inspect.Parameter:
     """Return the option of a field of a dataclass; a quantity is typed as a text."""
-    hint = get_type_hints(kind, include_extras=True)[field.name]
+    hint = _hints(kind)[field.name]
     if get_origin(hint) is Annotated:
         return _expanded(field.name, hint, field.default)
     text = field.metadata.get("option", "--" + field.name.replace("_", "-"))

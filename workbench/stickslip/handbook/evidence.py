@@ -9,8 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
 from stickslip.parameters import Parameters
-from stickslip.runs.engines import DEFAULT_STEP, experiment, simulate_fmu
-from stickslip.runs.run import csv_bytes
+from stickslip.runs import DEFAULT_STEP, csv_bytes, experiment, simulate_fmu
 from stickslip_verification import packed_report
 
 if TYPE_CHECKING:

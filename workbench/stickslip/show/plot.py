@@ -15,7 +15,7 @@ from scipy.interpolate import CubicHermiteSpline
 
 from stickslip.errors import CommandError
 from stickslip.files import writing
-from stickslip.runs.run import Floats, Run
+from stickslip.runs import Floats, Run
 from stickslip_design.shown import Scale, scale_for
 
 if TYPE_CHECKING:
@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-    from stickslip.runs.run import Floats
+    from stickslip.runs import Floats
     from stickslip_ref import Interval
 
 _POINTS_PER_STEP: Final = 8

@@ -1,4 +1,4 @@
-"""Results as tables that fit the line they are printed on: limits, cycles, scores, sweeps."""
+"""Results as tables that fit the line they are printed on: limits, cycles, scores, sweeps, axes."""
 
 from __future__ import annotations
 
@@ -18,13 +18,15 @@ from rich.table import Table
 from rich.text import Text
 
 import stickslip_ref
-from stickslip.runs.run import Run
 from stickslip_design.shown import scale_for
 from stickslip_ref import CriticalVelocity, Interval, Regime
 
 if TYPE_CHECKING:
     import xarray
 
+    from stickslip.runs import Run
+    from stickslip_design.report.tables import Grid
+    from stickslip_design.verdict import Verdict
     from stickslip_score import Compared, Score
 
 _UNBOUND: Final = 10_000
@@ -413,3 +415,53 @@ def _results(found: xarray.Dataset) -> Table:
         about = column.attrs
         rows.append((name, about.get("units", ""), *ends, lacking, about.get("long_name", "")))
     return grid(("result", "unit", "least", "greatest", "NaN", "meaning"), rows, texts=(0, 1, 5))
+
+
+_TONES: Final = {"good": "bold green", "warn": "bold yellow", "bad": "bold red"}
+
+
+def design_summary(verdict: Verdict) -> RenderableType:
+    """Make the summary of a verdict on an axis; the report has the rest."""
+    # It brings the loop, which no other table needs.
+    from stickslip_design.report import tables
+
+    found = tables.standing(verdict)
+    parts: list[RenderableType] = [
+        Text.assemble(verdict.axis.name, ": ", (found.word, _TONES[found.tone])),
+        Text(verdict.sentence),
+    ]
+    grids = tables.operating_points(verdict), tables.loop(verdict)
+    parts += [_of_grid(each) for each in grids if each.rows]
+    parts.append(Text(f"critical feed: {tables.critical(verdict)}"))
+    if verdict.stable and verdict.axis.drive is not None:
+        parts.append(Text(f"at a target: {tables.hunting(verdict)[0]}"))
+    parts += _cures(verdict)
+    assumed = tables.assumed(verdict.axis)
+    if assumed.rows:
+        parts.append(_of_grid(assumed))
+    return Group(*parts)
+
+
+def _cures(verdict: Verdict) -> Iterator[RenderableType]:
+    """Yield the cures that help as a table, and the names of the others."""
+    from stickslip_design.report.tables import Grid, cures
+
+    rated = cures(verdict)
+    names = [f"{cure.name} ({cure.held})" if cure.held else cure.name for cure in verdict.cures]
+    rows: list[tuple[str, ...]] = []
+    others: dict[tuple[str, str], list[str]] = {}
+    for name, cure, row in zip(names, verdict.cures, rated.rows, strict=True):
+        if cure.then is None:
+            others.setdefault((cure.aim, cure.note), []).append(name)
+        else:
+            rows.append((name, *row[1:-1]))
+    if rows:
+        yield _of_grid(Grid(rated.head[:-1], rows, rated.numbers))
+    for (aim, note), idle in others.items():
+        reason = f" ({note})" if note else ""
+        yield Text(f"no help alone for {aim}{reason}: {', '.join(idle)}")
+
+
+def _of_grid(shown: Grid) -> Table:
+    texts = [place for place in range(len(shown.head)) if place not in shown.numbers]
+    return grid(shown.head, shown.rows, texts=texts, show_header=bool(shown.head[1]))

@@ -9,9 +9,8 @@ import numpy as np
 
 from ..axis import Axis
 from ..one_thread import one_thread
-from .lines import lines_of
 from .motion import OF_TABLE, Motion, Point, Turn, extreme, walk
-from .system import LAST, MOTOR, SPEED, TABLE, Mode, System
+from .system import LAST, MOTOR, SPEED, TABLE, Mode, System, lines_of
 
 _CYCLES: Final = 12
 """Cycles at each feed: the first half lets it settle, over the second samples fall differently."""

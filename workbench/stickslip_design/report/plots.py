@@ -22,7 +22,7 @@ from matplotlib.ticker import (
 
 from stickslip_verification.report.svg import BLUE, INK, ORANGE, STYLE
 
-from ..loop.response import Cut, Response
+from ..loop.stability import Cut, Response
 from ..shown import EXACT, number, shown_in
 from ..verdict import Verdict
 from .tables import CUTS, MOTIONS, Motion, Range, motions

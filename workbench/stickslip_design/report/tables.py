@@ -8,7 +8,7 @@ from itertools import pairwise
 from typing import Any, Final, Literal, NamedTuple
 
 from ..axis import Axis, Filter
-from ..loop.response import Cut
+from ..loop.stability import Cut
 from ..shown import EXACT, NONE, decibels, number, per_minute, shown_in, told
 from ..verdict import AxisCure, Verdict, ranges_in_words
 
