@@ -131,7 +131,8 @@ def verify(
             raise CommandError(refusal)
     if pack and fmu:
         _check_packable(fmu)
-    if cases is not None:
+    if cases is not None and fmu is None:
+        # Wrong ones are refused before an FMU is built.
         judgements.load_cases(cases)
     judgements.share(within)
     _check_targets(output)
