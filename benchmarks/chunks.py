@@ -16,7 +16,7 @@ from pathlib import Path
 from benchmarks.settings import Busy
 from stickslip_design.chunks.run import Processes, Workers
 from stickslip_design.chunks.run import cluster_of as cluster
-from stickslip_design.chunks.store import Chunk, store_of
+from stickslip_design.chunks.store import Chunk, Store
 from stickslip_design.chunks.work import STUDY, Done, begun, compute, key_of, manifest_of, work
 
 CHUNKS = 1000
@@ -30,7 +30,7 @@ def measure_chunks() -> tuple[float, float, float]:
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         study = Busy(CHUNKS)
-        store, manifest = store_of(str(folder / "study")), manifest_of(study)
+        store, manifest = Store(str(folder / "study")), manifest_of(study)
         store.write(STUDY, pickle.dumps(study))
         of = store.address, key_of(manifest)
         chunks = [Chunk(start, start + 1) for start in range(CHUNKS)]

@@ -54,7 +54,7 @@ def test_the_answer_comes_first_and_names_the_smallest_change_of_each_aim() -> N
         ("juddering", "0.5 30 0.322 sticks and slips; even after another start 18.4"),
         ("juddering", "5 300 3.22 moves evenly – 12.3 –"),
         ("juddering", "it jumps 13.6 µm there and back again in 0.851 s"),
-        ("juddering", "stiffness between drive and table 40 N/µm 4 N/µm"),
+        ("juddering", "axis.stiffness 40 N/µm 4 N/µm"),
         ("large", "drive.velocity_feedforward_1 1 ms not on the data sheet: usual"),
     ],
 )

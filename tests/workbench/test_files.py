@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from stickslip.errors import CommandError
-from stickslip.files import check_writable, writing
+from stickslip.files import check_writable, write
 
 
 @pytest.mark.parametrize("is_there", [True, False])
@@ -18,8 +18,7 @@ def test_a_link_stays_a_link_also_to_a_file_that_is_made(tmp_path: Path, is_ther
     if is_there:
         real.write_bytes(b"old")
     link.symlink_to("far/run.csv")
-    with writing(link, "--output-file") as stream:
-        stream.write(b"new")
+    write(link, b"new", "--output-file")
     assert link.is_symlink()
     assert real.read_bytes() == b"new"
     assert sorted(tmp_path.iterdir()) == [folder, link]
@@ -32,8 +31,7 @@ def test_a_named_pipe_is_written_into(tmp_path: Path) -> None:
     got: list[bytes] = []
     reader = threading.Thread(target=lambda: got.append(pipe.read_bytes()), daemon=True)
     reader.start()
-    with writing(pipe, "--output-file") as stream:
-        stream.write(b"samples")
+    write(pipe, b"samples", "--output-file")
     reader.join(10.0)
     assert got == [b"samples"]
     assert pipe.is_fifo()
@@ -45,19 +43,23 @@ def test_a_redirected_output_goes_on_where_it_was(tmp_path: Path) -> None:
     with (tmp_path / "log").open("wb", buffering=0) as log:
         link.symlink_to(f"/dev/fd/{log.fileno()}")
         log.write(b"before ")
-        with writing(link, "--output-file") as stream:
-            stream.write(b"samples ")
+        write(link, b"samples ", "--output-file")
         log.write(b"after")
     assert (tmp_path / "log").read_bytes() == b"before samples after"
     assert link.is_symlink()
 
 
-def test_a_failing_write_names_the_option_and_the_path(tmp_path: Path) -> None:
+def test_a_failing_write_names_the_option_and_the_path(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     target = tmp_path / "run.csv"
     target.write_bytes(b"old")
-    with pytest.raises(CommandError) as refusal, writing(target, "--output-file") as stream:
-        raise OSError(f"cannot write {stream.name}")
-    assert str(refusal.value) == f"--output-file {target}: cannot write the file: OSError"
+    missing = tmp_path / "none" / "part"
+    monkeypatch.setattr("stickslip.files.replacing", lambda path: missing.open("xb"))
+    with pytest.raises(CommandError) as refusal:
+        write(target, b"new", "--output-file")
+    reason = "cannot write the file: No such file or directory"
+    assert str(refusal.value) == f"--output-file {target}: {reason}"
     assert list(tmp_path.iterdir()) == [target]
     assert target.read_bytes() == b"old"
 

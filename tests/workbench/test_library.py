@@ -3,6 +3,7 @@
 import inspect
 import json
 import sys
+import tomllib
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -11,16 +12,16 @@ import numpy as np
 import pytest
 
 import stickslip as ss
-from stickslip import judgements
 from stickslip.results import Shown
 from tests.needs import needs
 from tests.python import python
 
-AXIS = {
-    "axis": {"mass": "500 kg", "stiffness": "40 N/um", "zeta": "5 %"},
-    "friction": {"mu_s": 0.20, "mu_k": 0.15},
-    "demand": {"feeds": ["2 mm/min", "1 mm/s"]},
-}
+WRITTEN = """\
+axis = {mass = "500 kg", stiffness = "40 N/um", zeta = "5 %"}
+friction = {mu_s = 0.20, mu_k = 0.15}
+demand = {feeds = ["2 mm/min", "1 mm/s"]}
+"""
+AXIS = tomllib.loads(WRITTEN)
 RESULTS: dict[str, Callable[[], Any]] = {
     "Parameters": lambda: ss.Parameters(v="5 mm/s", law="stribeck", own={"v_s": "1 mm/s"}),
     "cycle": ss.cycle,
@@ -109,7 +110,7 @@ def test_a_run_and_a_map_carry_their_units() -> None:
 
 def test_an_axis_of_a_dictionary_is_that_of_the_file(tmp_path: Path) -> None:
     file = tmp_path / "axis.toml"
-    file.write_text("\n".join(judgements._toml(AXIS)), encoding="utf-8")
+    file.write_text(WRITTEN, encoding="utf-8")
     found = ss.design(AXIS)
     assert found.verdict.sentence == ss.design(file).verdict.sentence
     assert found.report(tmp_path / "axis.html").read_bytes().startswith(b"<!doctype html>")
@@ -132,7 +133,7 @@ def test_an_fmu_is_built_verified_and_reported(tmp_path: Path) -> None:
 @pytest.mark.gate
 @needs("studies")
 def test_the_script_of_the_readme_does_what_its_commands_do(tmp_path: Path) -> None:
-    (tmp_path / "axis.toml").write_text("\n".join(judgements._toml(AXIS)), encoding="utf-8")
+    (tmp_path / "axis.toml").write_text(WRITTEN, encoding="utf-8")
     tour = Path(__file__).parents[2] / "examples" / "tour.py"
     head, *lines = tour.read_text(encoding="utf-8").partition('__main__":\n')[2].splitlines()
     readme = (tour.parents[1] / "README.md").read_text(encoding="utf-8")
@@ -145,7 +146,7 @@ def test_the_script_of_the_readme_does_what_its_commands_do(tmp_path: Path) -> N
 
 
 def test_a_dash_is_standard_input_and_standard_output(tmp_path: Path) -> None:
-    text = "\n".join(judgements._toml(AXIS))
+    text = WRITTEN
     words = ("-m", "stickslip", "design", "-", "-o", "axis.html", "--json", "-")
     done = python(*words, cwd=tmp_path, input=text)
     assert json.loads(done.stdout.partition("\n}\n")[0] + "}")["format"] == 2

@@ -2,10 +2,8 @@
 
 import os
 import stat
-from collections.abc import Iterator
-from contextlib import contextmanager
 from pathlib import Path
-from typing import IO, Final
+from typing import Final
 
 from stickslip.errors import CommandError
 from stickslip_verification import replacing
@@ -14,29 +12,12 @@ _MOST_LINKS: Final = 40
 """Links in a row that Linux follows before it takes them for a circle."""
 
 
-@contextmanager
-def writing(target: Path, option: str) -> Iterator[IO[bytes]]:
-    """Open `target` for writing, so that a file is there whole or as it was before.
+def write(target: Path, content: bytes, option: str) -> None:
+    """Write a file, so that it is there whole or as it was before.
 
-    A regular file, at the end of all links, is written beside its place and put there when the
-    block ends well. Anything else (a device, a pipe, /dev/stdout) is written into directly.
-
-    Parameters
-    ----------
-    target
-        Where to write.
-    option
-        The option that named it, for the message.
-
-    Yields
-    ------
-    IO of bytes
-        What to write into; it may be a pipe, so it need not be seekable.
-
-    Raises
-    ------
-    CommandError
-        If the folder is missing or `target` cannot be written; it names `option` and `target`.
+    A regular file, at the end of all links, is written beside its place and put there. Anything
+    else (a device, a pipe, /dev/stdout) is written into directly. `CommandError`, which names
+    `option` and `target`, if it cannot be written.
     """
     check_writable(target, option)
     try:
@@ -44,33 +25,32 @@ def writing(target: Path, option: str) -> Iterator[IO[bytes]]:
         if descriptor is not None:
             # Opened by name, a redirected output would begin again at its first byte.
             with os.fdopen(os.dup(descriptor), "wb") as stream:
-                yield stream
+                stream.write(content)
         elif _is_special(target):
-            with target.open("wb") as stream:
-                yield stream
+            target.write_bytes(content)
         else:
             with replacing(target.resolve()) as stream:
-                yield stream
+                stream.write(content)
     except OSError as error:
         raise _cannot_write(target, option, _reason(error)) from error
 
 
 def check_writable(target: Path, option: str) -> None:
-    """Raise a `CommandError` unless `target` can be written: known before a long run, not after.
-
-    Parameters
-    ----------
-    target
-        The file that is going to be written.
-    option
-        The option that named it, for the message.
-    """
+    """Raise a `CommandError` unless `target` can be written: known before a long run, not after."""
     try:
         obstacle = _obstacle(target)
     except OSError as error:
         obstacle = _reason(error)
     if obstacle is not None:
         raise _cannot_write(target, option, obstacle)
+
+
+def check_drawable(target: Path, option: str) -> None:
+    """Raise a `CommandError` that names `option` unless the suffix is one that can be drawn."""
+    if target.suffix.lower() not in (".png", ".svg", ".pdf"):
+        raise CommandError(
+            f"{option} {target}: unknown format {target.suffix!r}; expected .png, .svg or .pdf"
+        )
 
 
 def _obstacle(target: Path) -> str | None:
@@ -111,13 +91,7 @@ def _is_special(target: Path) -> bool:
 
 
 def make_folder(folder: Path, option: str) -> None:
-    """Make `folder` and those above it where they are missing.
-
-    Raises
-    ------
-    CommandError
-        If that is not possible; the message names `option`.
-    """
+    """Make `folder` and those above it where they are missing; `CommandError` if it cannot be."""
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:

@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from stickslip.files import writing
+from stickslip.files import write
 from stickslip.parameters import ParameterError, Parameters, above_zero
 from stickslip.results import Shown
+from stickslip.show.tables import design_summary, score_table
+from stickslip.show.verdict import counts, verdict_summary
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -41,15 +42,11 @@ class FmuVerdict(Shown):
         return self.verdict.checks
 
     def __repr__(self) -> str:
-        from stickslip.show.verdict import counts
-
         answers = [question.answer for question in self.verdict.questions]
         return "\n".join([*answers, str(counts(self.verdict))])
 
     def table(self) -> RenderableType:
         """Return the summary, for rich."""
-        from stickslip.show.verdict import verdict_summary
-
         return verdict_summary(self.verdict, self.meanings)
 
     def to_dict(self) -> dict[str, Any]:
@@ -172,8 +169,6 @@ class CurveVerdict(Shown):
 
     def table(self) -> RenderableType:
         """Return the comparison, for rich."""
-        from stickslip.show.tables import score_table
-
         return score_table(self.score)
 
     def to_dict(self) -> dict[str, Any]:
@@ -230,8 +225,6 @@ class Design(Shown):
 
     def table(self) -> RenderableType:
         """Return the summary, for rich."""
-        from stickslip.show.tables import design_summary
-
         return design_summary(self.verdict)
 
     def to_dict(self) -> dict[str, Any]:
@@ -254,8 +247,7 @@ class Design(Shown):
 
     def report(self, file: Path | str) -> Path:
         """Write the report, and return its path."""
-        with writing(Path(file), "file") as stream:
-            stream.write(self.html().encode())
+        write(Path(file), self.html().encode(), "file")
         return Path(file)
 
 
@@ -276,22 +268,5 @@ def design(axis: AxisFile | Path | str | Mapping[str, Any]) -> Design:
     from stickslip_design.study import design as designed
 
     if isinstance(axis, Mapping):
-        axis = axis_file_of("\n".join(_toml(axis)), "axis")
+        axis = axis_file_of(axis, "axis")
     return Design(designed(axis if isinstance(axis, AxisFile) else read_axis_file(axis)))
-
-
-def _toml(tables: Mapping[str, Any]) -> list[str]:
-    """Return tables of an axis as lines of its file; JSON writes such values as TOML does."""
-    lines: list[str] = []
-    for name, table in tables.items():
-        lines.append(f"[{name}]")
-        for key, value in table.items():
-            nested = isinstance(value, list) and value and isinstance(value[0], Mapping)
-            if not nested:
-                lines.append(f"{key} = {json.dumps(value, ensure_ascii=False)}")
-        for key, value in table.items():
-            for item in value if isinstance(value, list) else ():
-                if isinstance(item, Mapping):
-                    lines.append(f"[[{name}.{key}]]")
-                    lines += [f"{k} = {json.dumps(v, ensure_ascii=False)}" for k, v in item.items()]
-    return lines

@@ -15,17 +15,19 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
 import stickslip_ref
-from stickslip.files import make_folder
+from stickslip.files import make_folder, write
 from stickslip.parameters import ParameterError, Parameters, above_zero
 from stickslip.results import Shown
 from stickslip.runs import Run as Samples
 from stickslip.runs import (
     check_slips,
+    csv_bytes,
     experiment,
     reference_parameters,
     simulate_fmu,
     simulate_reference,
 )
+from stickslip.show.tables import critical_table, cycle_rows, cycle_table, theory_table
 from stickslip_fmu.laws.named import COULOMB_NAME
 
 if TYPE_CHECKING:
@@ -65,14 +67,10 @@ class Run(Samples, Shown):
 
     def table(self) -> RenderableType:
         """Return the cycle beside the exact and the simplified one, for rich."""
-        from stickslip.show.tables import cycle_table
-
         return cycle_table(self, self._theory)
 
     def to_dict(self) -> dict[str, Any]:
         """Return the cycle [SI]: measured in the run, exact and simplified."""
-        from stickslip.show.tables import cycle_rows
-
         rows = {
             row.name: {
                 "measured": row.measured, "exact": row.exact, "simplified": row.simplified
@@ -98,9 +96,7 @@ class Run(Samples, Shown):
 
     def write_csv(self, target: Path | str, option: str = "file") -> None:
         """Write the samples as a CSV file that fmpy reads; `option` names it in a refusal."""
-        from stickslip.runs import write_csv
-
-        write_csv(self.samples, Path(target), option)
+        write(Path(target), csv_bytes(self.samples), option)
 
     def write_plot(self, target: Path | str, option: str = "file") -> None:
         """Draw into a .png, .svg or .pdf file; `option` names it in a refusal."""
@@ -182,8 +178,6 @@ class Cycle(Shown):
 
     def table(self) -> RenderableType:
         """Return both columns, for rich."""
-        from stickslip.show.tables import theory_table
-
         return theory_table(self.exact, self.simplified)
 
     def to_dict(self) -> dict[str, Any]:
@@ -250,8 +244,6 @@ class Limits(Shown):
 
     def table(self) -> RenderableType:
         """Return the intervals, for rich."""
-        from stickslip.show.tables import critical_table
-
         return critical_table(self.velocities, self.regime)
 
     def to_dict(self) -> dict[str, Any]:
@@ -301,26 +293,16 @@ def critical(
         found = stickslip_ref.critical_velocity(reference, p.law, between=(low, high))
         there = None
         if "v" in p.given:
-            wider = _holding(abs(p.v), (low, high), found.between)
-            if wider is not None:
-                found = stickslip_ref.critical_velocity(reference, p.law, between=wider)
+            # The range searched holds it, where no given end is in its way.
+            speed, (lowest, highest) = abs(p.v), found.between
+            if low is None and 0.0 < speed < lowest:
+                lowest = speed
+            elif high is None and speed > highest:
+                highest = speed
+            if (lowest, highest) != found.between:
+                found = stickslip_ref.critical_velocity(reference, p.law, between=(lowest, highest))
             there = stickslip_ref.regime(reference, p.law) if p.v else None
     return Limits(found, there, tuple(str(each.message) for each in caught))
-
-
-def _holding(
-    speed: float, given: tuple[float | None, float | None], searched: tuple[float, float]
-) -> tuple[float, float] | None:
-    """Return the range searched made wider by a speed [m/s], where no given end is in its way.
-
-    None if it need not or cannot be.
-    """
-    low, high = searched
-    if 0.0 < speed < low and given[0] is None:
-        return speed, high
-    if speed > high and given[1] is None:
-        return low, speed
-    return None
 
 
 def build(

@@ -9,7 +9,7 @@ import threading
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from types import FrameType
-from typing import TYPE_CHECKING, Self
+from typing import TYPE_CHECKING, Self, TextIO
 
 if TYPE_CHECKING:
     from rich.progress import Progress
@@ -22,91 +22,61 @@ class Meter:
     """A progress bar that appears after a second of work in its `with` block."""
 
     def __init__(self, description: str) -> None:
-        self._description = description
         # What an engine writes on standard error is caught while it runs; this is the terminal.
-        self._stream = sys.stderr
-        self._lock = threading.Lock()
-        self._progress: Progress | None = None
-        self._done: float | None = None
-        self._total: float | None = None
-        self._timer = threading.Timer(_PATIENCE, self._show)
-        self._timer.daemon = True
-        self._ended = False
+        self._bar = _bar(sys.stderr) if sys.stderr.isatty() else None
+        if self._bar is not None:
+            self._task = self._bar.add_task(description, total=None)
+            self._timer = threading.Timer(_PATIENCE, self._bar.start)
+            self._timer.daemon = True
 
     def __enter__(self) -> Self:
-        if self._stream.isatty():
+        if self._bar is not None:
             self._timer.start()
         return self
 
     def __exit__(self, *_: object) -> None:
-        self._timer.cancel()
-        with self._lock:
-            self._ended = True
-            if self._progress is not None:
-                self._progress.stop()
-                self._progress = None
+        if self._bar is not None:
+            self._timer.cancel()
+            # It may be about to show the bar.
+            self._timer.join()
+            self._bar.stop()
 
     def advance(self, done: float, total: float | None, description: str | None = None) -> None:
         """Say how far the work is: `done` of `total` if known, and on what it is now."""
-        with self._lock:
-            self._done, self._total = done, total
-            self._description = description or self._description
-            if self._progress is not None:
-                self._update(self._progress)
+        if self._bar is not None:
+            self._bar.update(self._task, completed=done, total=total, description=description)
 
-    def _show(self) -> None:
-        from rich.console import Console
-        from rich.progress import (
-            BarColumn,
-            Progress,
-            TaskProgressColumn,
-            TextColumn,
-            TimeElapsedColumn,
-            TimeRemainingColumn,
-        )
 
-        with self._lock:
-            if self._ended:
-                return
-            self._progress = Progress(
-                TextColumn("{task.description}"),
-                BarColumn(),
-                TaskProgressColumn("{task.percentage:3.0f} %"),
-                TimeElapsedColumn() if self._total is None else TimeRemainingColumn(),
-                console=Console(file=self._stream),
-                transient=True,
-                redirect_stdout=False,
-                redirect_stderr=False,
-            )
-            self._progress.add_task(self._description, total=None)
-            self._update(self._progress)
-            self._progress.start()
+def _bar(terminal: TextIO) -> "Progress":
+    from rich.console import Console
+    from rich.progress import (
+        BarColumn,
+        Progress,
+        TaskProgressColumn,
+        TextColumn,
+        TimeElapsedColumn,
+        TimeRemainingColumn,
+    )
 
-    def _update(self, progress: "Progress") -> None:
-        progress.update(
-            progress.task_ids[0],
-            description=self._description,
-            completed=self._done or 0.0,
-            total=self._total,
-        )
+    return Progress(
+        TextColumn("{task.description}"),
+        BarColumn(),
+        TaskProgressColumn("{task.percentage:3.0f} %"),
+        TimeElapsedColumn(),
+        TimeRemainingColumn(),
+        console=Console(file=terminal),
+        transient=True,
+        redirect_stdout=False,
+        redirect_stderr=False,
+    )
 
 
 @contextmanager
 def deferred_interrupt() -> Iterator[Callable[[], bool]]:
     """Turn Ctrl-C, or a SIGTERM, into a question, and raise it when the block has ended.
 
-    An FMU whose code is Python would take a `KeyboardInterrupt` for a failure of its own. A second
-    Ctrl-C is not deferred.
-
-    Yields
-    ------
-    Callable[[], bool]
-        True once Ctrl-C has been pressed.
-
-    Raises
-    ------
-    KeyboardInterrupt
-        At the end of the block if Ctrl-C was pressed in it.
+    An FMU whose code is Python would take a `KeyboardInterrupt` for a failure of its own. It yields
+    a function that is true once Ctrl-C has been pressed. A second Ctrl-C is not deferred.
     """
     if threading.current_thread() is not threading.main_thread():
         yield lambda: False

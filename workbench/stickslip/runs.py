@@ -20,7 +20,6 @@ from numpy.typing import NDArray
 
 import stickslip_ref
 from fmi.table import Table, Variable
-from stickslip.files import writing
 from stickslip.parameters import ParameterError, Parameters, above_zero, quantity
 from stickslip.progress import deferred_interrupt
 from stickslip_design.curve_file import CURVE
@@ -67,19 +66,10 @@ class Run:
 
 
 def sample_times(start_time: float, stop_time: float, output_interval: float) -> Floats:
-    """Return the times at which a run is sampled, as `fmpy.simulate_fmu` chooses them.
+    """Return the times [s], shape (n,), at which `fmpy.simulate_fmu` would sample a run.
 
-    Parameters
-    ----------
-    start_time, stop_time
-        First and last time [s], `stop_time` > `start_time`.
-    output_interval
-        Distance of the samples [s], > 0; the last one may be shorter.
-
-    Returns
-    -------
-    ndarray, shape (n,)
-        `start_time`, every whole interval after it, and `stop_time`.
+    The first, every whole interval after it, and the last one, which is later than the first; the
+    distance before it may be shorter.
     """
     whole = math.floor((stop_time - start_time) / output_interval)
     times = start_time + output_interval * np.arange(whole + 1)
@@ -98,28 +88,16 @@ def fitting_interval(duration: float, step: float) -> float:
 def drawable_interval(duration: float, step: float, w: float) -> float:
     """Halve `step` [s] until a slip is drawn smoothly, or 20,000 of it make `duration` [s].
 
-    Parameters
-    ----------
-    duration
-        Length of the run [s].
-    step
-        The interval to begin with [s].
-    w
-        Natural frequency [rad/s]; a step of half a radian is smooth.
+    `w` is the natural frequency [rad/s]; a step of half a radian is smooth.
     """
     shortest = max(0.5 / w, duration / 20_000)
     return step / 2.0 ** max(0, math.ceil(math.log2(step / shortest)))
 
 
 def csv_bytes(samples: NDArray[np.void]) -> bytes:
-    """Return samples as the bytes of a CSV file.
+    """Return samples, a structured array of ``time`` [s] and outputs, as the bytes of a CSV file.
 
     fmpy writes a Boolean as ``True``, which its own reader refuses, so Booleans become 0 and 1.
-
-    Parameters
-    ----------
-    samples
-        Structured array, shape (n,): ``time`` [s] and outputs, SI.
     """
     numeric = np.dtype(
         [
@@ -135,27 +113,6 @@ def csv_bytes(samples: NDArray[np.void]) -> bytes:
         fmpy_write_csv(os.dup(stream.fileno()), samples.astype(numeric))
         stream.seek(0)
         return stream.read()
-
-
-def write_csv(samples: NDArray[np.void], target: Path, option: str) -> None:
-    """Write samples to `target`; a file is written whole or not at all.
-
-    Parameters
-    ----------
-    samples
-        As for `csv_bytes`.
-    target
-        The file.
-    option
-        The option that named it, for the message.
-
-    Raises
-    ------
-    CommandError
-        If the file cannot be written.
-    """
-    with writing(target, option) as stream:
-        stream.write(csv_bytes(samples))
 
 
 Progress = Callable[[float, float], None]
@@ -327,22 +284,10 @@ def _samples(columns: Mapping[str, Any], times: np.ndarray[Any, Any]) -> np.ndar
 
 
 def simulate_fmu(what: Experiment, fmu: Path, progress: Progress) -> Run:
-    """Simulate the FMU in the file `fmu`.
+    """Simulate the FMU in a file; every value that it knows is set.
 
-    Parameters
-    ----------
-    what
-        The experiment; every value that the FMU knows is set.
-    fmu
-        The FMU.
-    progress
-        Called after each communication step.
-
-    Raises
-    ------
-    ParameterError, FmuError
-        If the file is not an FMU that can be simulated, or the FMU fails; then with the FMU's own
-        message.
+    `progress` is called after each communication step. ParameterError if the file is not an FMU
+    that can be simulated; FmuError, with the FMU's own message, if it fails.
     """
     table, values = what.parameters.table, what.parameters.values
     times = sample_times(what.start_time, what.stop_time, what.output_interval)

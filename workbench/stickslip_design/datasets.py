@@ -69,14 +69,8 @@ def provenance(identity: Mapping[str, Any]) -> dict[str, str]:
     }
 
 
-def write_grid(grid: xarray.Dataset, target: Path | str) -> None:
-    """Write a dataset as zarr: a folder, or an address of fsspec."""
-    need("zarr")
-    grid.to_zarr(target, mode="w", consolidated=False)
-
-
 def read_grid(source: Path | str) -> xarray.Dataset:
-    """Read a dataset that `write_grid` wrote."""
+    """Read a dataset of zarr: a folder, or an address of fsspec."""
     need("zarr")
     dataset: xarray.Dataset = need("xarray").open_zarr(source, consolidated=False)
     return dataset

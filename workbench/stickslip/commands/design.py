@@ -46,33 +46,22 @@ def design(
         raise CommandError(
             "no axis file is named; stickslip design --template axis.toml writes one to fill in"
         )
-    report = output or Path(axis.with_suffix(".html").name)
-    _study(axis, report, json)
-
-
-def _study(file: Path, report: Path, json: Path | None) -> None:
-    from stickslip.files import check_writable, writing
+    from stickslip.files import check_writable, write
     from stickslip.judgements import design as designed
     from stickslip.progress import Meter
 
+    report = output or Path(axis.with_suffix(".html").name)
     targets = {report: "--output"} | ({} if json is None else {json: "--json"})
     for target, option in targets.items():
-        if _same(target, file):
+        if target.resolve() == axis.resolve():
             raise CommandError(f"{option} {target}: that is the axis file; name another file")
         check_writable(target, option)
-    if json is not None and _same(report, json):
+    if json is not None and report.resolve() == json.resolve():
         raise CommandError(f"--json {json}: the report goes there; name another file")
     with Meter("Studying the axis"):
-        found = designed(file)
-        texts = {report: found.html()}
-        if json is not None:
-            texts[json] = found.to_json() + "\n"
+        found = designed(axis)
+        texts = {report: found.html()} | ({} if json is None else {json: found.to_json() + "\n"})
     for target, text in texts.items():
-        with writing(target, targets[target]) as stream:
-            stream.write(text.encode("utf-8"))
+        write(target, text.encode("utf-8"), targets[target])
     console().print(found.table())
     print("report:", ", ".join(map(str, texts)))
-
-
-def _same(one: Path, other: Path) -> bool:
-    return one.resolve() == other.resolve()

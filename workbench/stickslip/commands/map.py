@@ -102,7 +102,7 @@ def map(  # noqa: A001 - the name of the command
 
 def _show(dataset: "xarray.Dataset", folder: str) -> None:
     """Write picture and page beside the dataset, and print what the map says."""
-    from stickslip_design.chunks.store import store_of
+    from stickslip_design.chunks.store import Store
     from stickslip_design.maps.page import MOST_SLICES, page, picture
     from stickslip_design.maps.study import FILE
     from stickslip_design.maps.views import View
@@ -113,7 +113,7 @@ def _show(dataset: "xarray.Dataset", folder: str) -> None:
         "map.png": picture(view, drawn),
         "index.html": page(view, view.places(MOST_SLICES), told).encode("utf-8"),
     }
-    store = store_of(folder)
+    store = Store(folder)
     for name, content in files.items():
         try:
             store.write(name, content)

@@ -40,7 +40,7 @@ def explore(p: _Shown) -> None:
 
 def _write(p: Parameters, target: Path) -> int:
     """Write the page that begins with the values given; return its length in bytes."""
-    from stickslip.files import writing
+    from stickslip.files import write
     from stickslip.page import page as assemble
     from stickslip.page import page_range
 
@@ -50,6 +50,5 @@ def _write(p: Parameters, target: Path) -> int:
             shown = f"{low:g} to {high:g} {unit}".rstrip()
             raise ParameterError(name, f" {value:g}: the page shows {shown}")
     content = assemble(dict(p.given)).encode()
-    with writing(target, "-o") as stream:
-        stream.write(content)
+    write(target, content, "-o")
     return len(content)

@@ -142,7 +142,7 @@ def _write(found: "Scatter", folder: Path) -> list[str]:
     import io
     from json import dumps
 
-    from stickslip.files import writing
+    from stickslip.files import write
     from stickslip_design.datasets import write_points
     from stickslip_design.tolerances.page import data, html, picture
 
@@ -157,8 +157,7 @@ def _write(found: "Scatter", folder: Path) -> list[str]:
         ).encode(),
     }
     for name, content in contents.items():
-        with writing(folder / name, "--output") as stream:
-            stream.write(content)
+        write(folder / name, content, "--output")
     partial = table.with_suffix(".part")
     write_points(found.table(), partial)
     partial.replace(table)

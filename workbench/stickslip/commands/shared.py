@@ -63,7 +63,7 @@ def current_fmu(law: str = COULOMB) -> Path:
     """
     import tempfile
 
-    from stickslip.files import make_folder, writing
+    from stickslip.files import make_folder, write
     from stickslip_verification.drive.description import content_digest
 
     with tempfile.TemporaryDirectory(prefix="stickslip-") as folder:
@@ -73,8 +73,7 @@ def current_fmu(law: str = COULOMB) -> Path:
             if content_digest(there) == content_digest(fresh):
                 return there
         make_folder(BUILD_FOLDER, "--fmu")
-        with writing(there, "--fmu") as stream:
-            stream.write(fresh.read_bytes())
+        write(there, fresh.read_bytes(), "--fmu")
     return there
 
 
@@ -108,15 +107,14 @@ def pack_evidence(fmu: Path, verdict: "Verdict", option: str) -> None:
 
 def hand_out(text: str, target: Path | None, option: str, then: str = "") -> None:
     """Print a text to begin with, or write it where no file is yet; `then` is what comes next."""
-    from stickslip.files import writing
+    from stickslip.files import write
 
     if target is None:
         print(text, end="")
         return
     if target.exists():
         raise CommandError(f"{option} {target}: there is such a file already; name a new one")
-    with writing(target, option) as stream:
-        stream.write(text.encode())
+    write(target, text.encode(), option)
     print(f"written: {target}{then}")
 
 
@@ -142,19 +140,9 @@ MOST_POINTS = 10**9
 def computed(study: "Study", folder: str | None, computing: Computing, described: str) -> "Results":
     """Compute a study, and show its rate, the time left and its failures on a terminal.
 
-    Parameters
-    ----------
-    study, folder
-        What to compute, and the folder or address where it resumes; None: it does not.
-    computing
-        How.
-    described
-        What is done, as progress shows it: "Computing the map".
-
-    Raises
-    ------
-    CommandError
-        If an option is wrong, or the study cannot be computed to its end.
+    It resumes in `folder`, a folder or an address, if that is not None; `described` is what is
+    done, as progress shows it: "Computing the map". `CommandError` if an option is wrong, or the
+    study cannot be computed to its end.
     """
     from stickslip.progress import Meter
     from stickslip_design.chunks import StudyError, run

@@ -39,10 +39,9 @@ def simulate(
     json: Annotated[bool, opt("Print the figures of the cycle as JSON, SI.")] = False,
 ) -> None:
     """Simulate one run and print its cycle beside the exact and the simplified one."""
-    from stickslip.files import check_writable
+    from stickslip.files import check_drawable, check_writable
     from stickslip.library import simulate as simulated
     from stickslip.progress import Meter
-    from stickslip.show.plot import check_format
 
     if fmu is not None and engine != "fmu":
         raise CommandError("--fmu goes with --engine fmu only")
@@ -50,7 +49,7 @@ def simulate(
     if output_file is not None:
         check_writable(output_file, "--output-file")
     if plot is not None:
-        check_format(plot, "--plot")
+        check_drawable(plot, "--plot")
         check_writable(plot, "--plot")
     with Meter("Simulating") as meter:
         run = simulated(

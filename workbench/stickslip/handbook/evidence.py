@@ -25,15 +25,7 @@ _LEFT_OUT: Final = "J"
 
 
 def result_file(fmu: Path, law: str) -> bytes:
-    """Return the outputs of the FMU at every communication point of the experiment, as CSV.
-
-    `law` is the name of its friction law.
-
-    Raises
-    ------
-    ParameterError, FmuError
-        If the FMU cannot be simulated.
-    """
+    """Return the outputs of the FMU at every communication point of the experiment, as CSV."""
     p = Parameters(law=law)
     what = experiment(p, 0.0, STOP_TIME, DEFAULT_STEP)
     run = simulate_fmu(what, fmu, lambda done, total: None)
@@ -89,19 +81,8 @@ _ABOUT: Final = {
 def evidence(fmu: Path, verdict: "Verdict", law: str) -> dict[str, bytes]:
     """Return the evidence of an FMU by its paths in it; the same for the same FMU and suite.
 
-    Parameters
-    ----------
-    fmu
-        The FMU, with evidence in it or without.
-    verdict
-        What the suite found of that FMU.
-    law
-        The name of its friction law, a built-in one.
-
-    Raises
-    ------
-    CommandError
-        If the FMU cannot be simulated.
+    The FMU may have evidence already; `verdict` is on it, and `law` the name of its friction law, a
+    built-in one. ParameterError or FmuError if it cannot be simulated.
     """
     contents = {
         "default.experiments.xml": _EXPERIMENTS.encode(),

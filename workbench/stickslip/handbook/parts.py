@@ -8,16 +8,20 @@ import io
 from collections.abc import Mapping
 from importlib.metadata import distribution
 from importlib.resources import files
-from typing import TYPE_CHECKING, Any, Final, Literal, TypeAlias
+from typing import Any, Final, Literal, TypeAlias
+
+import matplotlib as mpl
+from markupsafe import Markup
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.patches import FancyArrow, Rectangle
 
 from fmi.table import Table, Variable
 from stickslip.page import page
+from stickslip.page.assemble import environment_of
 from stickslip_fmu.interface import table_of
 from stickslip_fmu.laws.named import BUILT_IN, COULOMB_NAME, friction_law
 from stickslip_fmu.release import DATE, VERSION
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
 
 _SOURCES: Final = files("stickslip.handbook")
 _TITLES: Final = {
@@ -47,23 +51,16 @@ def document(fmi_version: int, *, native: bool = False, law: str = COULOMB_NAME)
     )
 
 
-def notes_on_references() -> str:
-    """Return documentation/fmi-ls-ref.html: what lies in extra/, and how to use it."""
-    return _rendered("fmi-ls-ref.html.j2")
-
-
 def _rendered(template: str, **names: Any) -> str:
-    from jinja2 import Environment, StrictUndefined
-    from markupsafe import Markup
-
-    environment = Environment(
-        autoescape=True, trim_blocks=True, lstrip_blocks=True, undefined=StrictUndefined
-    )
-    return environment.from_string(_text(template)).render(
-        version=VERSION,
-        date=DATE.partition("T")[0],
-        style=Markup(_text("handbook.css")),
-        **names,
+    return (
+        environment_of(_text)
+        .get_template(template)
+        .render(
+            version=VERSION,
+            date=DATE.partition("T")[0],
+            style=Markup(_text("handbook.css")),
+            **names,
+        )
     )
 
 
@@ -75,9 +72,8 @@ def _groups(table: Table) -> list[tuple[str, list[dict[str, str]]]]:
     """Return the rows of the interface tables, by what they are to a user."""
     groups: dict[str, list[dict[str, str]]] = {}
     for row in table.rows:
-        metered = row.attribute.startswith("meter.")
-        name = _TITLES[row.causality, metered]
-        groups.setdefault(name, []).append(_row(row))
+        title = _TITLES[row.causality, row.attribute.startswith("meter.")]
+        groups.setdefault(title, []).append(_row(row))
     return list(groups.items())
 
 
@@ -99,12 +95,9 @@ _INK, _MASS, _FORCE = "#16202c", "#1a63c6", "#d9660b"
 
 def icon() -> bytes:
     """Return the icon as PNG, 256 pixels square; the same bytes at every call."""
-    import matplotlib
-    from matplotlib.figure import Figure
-
     picture = io.BytesIO()
     # A person's own defaults are no part of the FMU.
-    with matplotlib.rc_context(matplotlib.rcParamsDefault):
+    with mpl.rc_context(mpl.rcParamsDefault):
         figure = Figure(figsize=(1.0, 1.0))
         axes = figure.add_axes((0.0, 0.0, 1.0, 1.0))
         axes.set(xlim=(0.0, 1.0), ylim=(0.0, 1.0))
@@ -115,10 +108,8 @@ def icon() -> bytes:
     return picture.getvalue()
 
 
-def _draw(axes: "Axes") -> None:
+def _draw(axes: Axes) -> None:
     """Draw the mass on its way, pulled by a spring; below, it goes in jumps, the end evenly."""
-    from matplotlib.patches import FancyArrow, Rectangle
-
     axes.plot([0.05, 0.95], [0.56, 0.56], color=_INK, lw=1.1)
     for index in range(11):
         left = 0.07 + 0.08 * index
@@ -200,5 +191,5 @@ def parts(
         found["documentation/index.html"] = text.encode()
     if law == COULOMB_NAME:
         found["documentation/explore.html"] = page().encode()
-        found["documentation/fmi-ls-ref.html"] = notes_on_references().encode()
+        found["documentation/fmi-ls-ref.html"] = _rendered("fmi-ls-ref.html.j2").encode()
     return found

@@ -4,12 +4,14 @@ import json
 import posixpath
 import re
 import tomllib
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from fractions import Fraction
 from functools import cache
 from graphlib import TopologicalSorter
 from importlib.resources import files
 from typing import Any, Final
+
+from jinja2 import Environment, FunctionLoader, StrictUndefined
 
 from stickslip_design.quantity import KINDS
 from stickslip_fmu.release import VERSION
@@ -27,18 +29,9 @@ _PATTERN: Final = re.compile(r"^(?:const|let) [\[{]", re.MULTILINE)
 def joined(modules: Mapping[str, str]) -> str:
     """Join modules, each after those that it needs, into one script without imports and exports.
 
-    Parameters
-    ----------
-    modules
-        Source by path, such as ``"model/cycle.js"``.
-
-    Raises
-    ------
-    KeyError
-        If a module is missing.
-    ValueError
-        If there is a circle of imports, two modules use one name, or one declares several names by
-        a pattern.
+    `modules` are sources by path, such as ``"model/cycle.js"``. KeyError if one is missing;
+    ValueError if there is a circle of imports, two modules use one name, or one declares several by
+    a pattern.
     """
     owners: dict[str, str] = {}
     parts = []
@@ -67,6 +60,20 @@ _FIGURE: Final = re.compile(r"\{(\w+:\w+)\}")
 _SOURCES: Final = files("stickslip.page")
 
 
+def environment_of(text: Callable[[str], str]) -> Environment:
+    """Return what renders templates, each of which `text` returns by its name.
+
+    Text is escaped; a name that is missing is an error.
+    """
+    return Environment(
+        loader=FunctionLoader(text),
+        autoescape=True,
+        trim_blocks=True,
+        lstrip_blocks=True,
+        undefined=StrictUndefined,
+    )
+
+
 def page(setting: Mapping[str, float] | None = None) -> str:
     """Return the page: one HTML text that asks for nothing else, from a file or from a server.
 
@@ -76,17 +83,9 @@ def page(setting: Mapping[str, float] | None = None) -> str:
         Values that it begins with [SI], by name; the rest are the FMU's start values. A value
         out of `page_range` is named on the page and not taken.
     """
-    from jinja2 import Environment, FunctionLoader, StrictUndefined
-
     from stickslip.page import texts
 
-    environment = Environment(
-        loader=FunctionLoader(_text),
-        autoescape=True,
-        trim_blocks=True,
-        lstrip_blocks=True,
-        undefined=StrictUndefined,
-    )
+    environment = environment_of(_text)
     environment.filters["figures"] = _figures
     start: dict[str, Any] = {name: TABLE.by_name[name].start for name in _SETTING}
     table = _table("applications/applications.toml")["application"]

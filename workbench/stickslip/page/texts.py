@@ -45,12 +45,8 @@ def quantity(value: float, count: int = 4, *, kind: str) -> str:
     """Return a quantity [SI] as a person reads it, such as "6.305 mm", as view/units.js writes it.
 
     The count is of significant digits; the kind, such as ``"length"``, decides the units.
-
-    Raises
-    ------
-    ValueError
-        If the value is not finite: a text must not tell of a cycle that does not exist. If no unit
-        fits, so that it would need an exponent.
+    ValueError if the value is not finite, as a text must not tell of a cycle that does not exist,
+    or if no unit fits, so that it would need an exponent.
     """
     if not math.isfinite(value):
         raise ValueError(f"a text of the page asks for a {kind} that is {value}")
@@ -126,22 +122,11 @@ def _cycle_under(curve: Sequence[Sequence[float]], p: Parameters) -> dict[str, f
 
 
 def filled(text: str, numbers: Mapping[str, object]) -> str:
-    """Fill a text with numbers.
+    """Fill a text, such as ``"It jumps {{ now.delta_x | length }}."``, a template of Jinja.
 
-    Parameters
-    ----------
-    text
-        A template of Jinja, such as ``"It jumps {{ now.delta_x | length }}."``; the filters are
-        the kinds of `quantity`.
-    numbers
-        By the names that the text uses, such as ``now``: `Numbers` of a setting.
-
-    Raises
-    ------
-    jinja2.UndefinedError
-        If the text asks for a number that there is not.
-    ValueError
-        If it asks for one that is not finite; names the text.
+    The filters are the kinds of `quantity`; `numbers` are by name, such as ``now``: `Numbers` of a
+    setting. UndefinedError if the text asks for a number that there is not; ValueError, which names
+    the text, if for one that is not finite.
     """
     if "{" not in text:
         return text

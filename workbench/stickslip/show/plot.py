@@ -7,25 +7,51 @@ corners stay corners.
 
 import io
 import math
+from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Final, NamedTuple
+from typing import Any, Final, NamedTuple
 
+import matplotlib as mpl
 import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.patches import Patch
 from scipy.interpolate import CubicHermiteSpline
 
-from stickslip.errors import CommandError
-from stickslip.files import writing
+from stickslip.files import check_drawable, write
 from stickslip.runs import Floats, Run
 from stickslip_design.shown import Scale, scale_for
+from stickslip_ref import Interval
 
-if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
+_BLUE: Final = "#1b6ca8"
+_GREY: Final = "#8d939c"
+_ORANGE: Final = "#e2761b"
+_SHADE: Final = "#edf0f4"
+_INK: Final = "#2b2f36"
+_ALARM: Final = "#b3261e"
+_STYLE: Final[Any] = {
+    "font.size": 10,
+    "axes.edgecolor": _GREY,
+    "axes.labelcolor": _INK,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "text.color": _INK,
+    "xtick.color": _INK,
+    "ytick.color": _INK,
+    "legend.frameon": False,
+    # A simplified path draws a creeping stick; this path is drawn as it is.
+    "path.simplify": False,
+    "svg.fonttype": "none",
+    "svg.hashsalt": "stickslip",
+    "pdf.fonttype": 42,
+}
 
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
+_MOST_MARKED_EVENTS: Final = 100
 
-    from stickslip.runs import Floats
-    from stickslip_ref import Interval
+_POINTS_ONLY: Final = "more events than samples: points only, choose a shorter interval"
+
+_VISIBLE: Final = 0.005
+"""Part of a panel's height that an eye tells from nothing: about the width of a line."""
 
 _POINTS_PER_STEP: Final = 8
 
@@ -43,34 +69,15 @@ class Curve(NamedTuple):
 
 
 def points(run: Run) -> Curve:
-    """Return the samples alone: all that is known of a run with hidden events.
-
-    Parameters
-    ----------
-    run
-        The run to draw.
-
-    Returns
-    -------
-    Curve
-        The samples, shape (n,), as `curve` gives them.
-    """
+    """Return the samples alone, as `curve` does: all that is known of a run with hidden events."""
     samples = run.samples
     return Curve(samples["time"], samples["x"], samples["x_pull"], samples["F"])
 
 
 def curve(run: Run) -> Curve:
-    """Return the curve through samples and events, exactly flat in stick.
+    """Return the curve through samples and events of a run that has no hidden ones.
 
-    Parameters
-    ----------
-    run
-        The run to draw; one without hidden events.
-
-    Returns
-    -------
-    Curve
-        Time [s], position of the mass and of the pulled end [m], and spring force [N], shape (n,).
+    It is exactly flat in stick.
     """
     samples = run.samples
     k, v = run.parameters.k, run.parameters.v
@@ -112,131 +119,28 @@ def stick_phases(run: Run) -> list[tuple[float, float]]:
     return phases
 
 
-FORMATS: Final = ("png", "svg", "pdf")
-
-_BLUE: Final = "#1b6ca8"
-_GREY: Final = "#8d939c"
-_ORANGE: Final = "#e2761b"
-_SHADE: Final = "#edf0f4"
-_INK: Final = "#2b2f36"
-_ALARM: Final = "#b3261e"
-_STYLE: Final[Any] = {
-    "font.size": 10,
-    "axes.edgecolor": _GREY,
-    "axes.labelcolor": _INK,
-    "axes.spines.top": False,
-    "axes.spines.right": False,
-    "text.color": _INK,
-    "xtick.color": _INK,
-    "ytick.color": _INK,
-    "legend.frameon": False,
-    # A simplified path draws a creeping stick; this path is drawn as it is.
-    "path.simplify": False,
-    "svg.fonttype": "none",
-    "svg.hashsalt": "stickslip",
-    "pdf.fonttype": 42,
-}
-
-_MOST_MARKED_EVENTS: Final = 100
-
-_POINTS_ONLY: Final = "more events than samples: points only, choose a shorter interval"
-
-_VISIBLE: Final = 0.005
-"""Part of a panel's height that an eye tells from nothing: about the width of a line."""
-
-
-def check_format(target: Path, option: str) -> None:
-    """Raise a `CommandError` that names `option` unless the suffix is one that can be drawn."""
-    if target.suffix.lower().removeprefix(".") not in FORMATS:
-        raise CommandError(
-            f"{option} {target}: unknown format {target.suffix!r}; expected .png, .svg or .pdf"
-        )
-
-
 def write_plot(run: Run, target: Path, option: str) -> None:
-    """Draw `run` into `target`; a file is written whole or not at all.
+    """Draw `run` into `target`, which `option` named, whole or not at all; its suffix says how.
 
-    Parameters
-    ----------
-    run
-        The run to draw.
-    target
-        The file; its suffix says the format: PNG, SVG or PDF.
-    option
-        The option that named it, for the message.
-
-    Raises
-    ------
-    CommandError
-        If the format is unknown or the file cannot be written.
+    `CommandError` if that is none of PNG, SVG and PDF, or the file cannot be written.
     """
-    check_format(target, option)
-    import matplotlib
-
+    check_drawable(target, option)
     suffix = target.suffix.lower().removeprefix(".")
     # The file says what was run, not when: the same run gives the same bytes.
     metadata = {"svg": {"Date": None}, "pdf": {"CreationDate": None}}.get(suffix)
     picture = io.BytesIO()
-    with matplotlib.rc_context(_STYLE):
+    with mpl.rc_context(_STYLE):
         figure(run).savefig(picture, format=suffix, dpi=160, metadata=metadata)
-    with writing(target, option) as stream:
-        stream.write(picture.getvalue())
+    write(target, picture.getvalue(), option)
 
 
-def figure(run: Run) -> "Figure":
+@mpl.rc_context(_STYLE)
+def figure(run: Run) -> Figure:
     """Draw `run`: position above, spring force below, stick phases shaded, events marked.
 
     A run with hidden events is drawn as its samples only: what lies between them is not known.
     """
-    import matplotlib
-    from matplotlib.figure import Figure
-
-    with matplotlib.rc_context(_STYLE):
-        return _drawn(run, Figure(figsize=(10.0, 6.4), layout="constrained"))
-
-
-def bars(rows: "Mapping[str, Sequence[Interval]]", between: tuple[float, float]) -> "Figure":
-    """Draw intervals of the pulling velocity [m/s], a row each, in the range searched."""
-    import matplotlib
-    from matplotlib.figure import Figure
-
-    with matplotlib.rc_context(_STYLE):
-        page = Figure(figsize=(10.0, 2.4), layout="constrained")
-        panel = page.add_subplot()
-        highest = [each.high for row in rows.values() for each in row if each.high < np.inf]
-        # A closed form answers for all velocities.
-        most = between[1] if between[1] < np.inf else 1.5 * max(highest, default=1.0)
-        scale = scale_for(most, "m/s")
-        low, high = between[0] / scale.size, most / scale.size
-        for row, intervals in enumerate(rows.values()):
-            for each in intervals:
-                begin = max(each.low / scale.size, low)
-                panel.barh(row, min(each.high / scale.size, high) - begin, 0.5, begin, color=_BLUE)
-        panel.set(xlim=(low, high), ylim=(len(rows) - 0.5, -0.5), yticks=range(len(rows)))
-        panel.set_yticklabels(rows)
-        panel.set_xlabel(f"pulling velocity  [{scale.symbol}]")
-        return page
-
-
-def panels(time: "Floats", columns: "Mapping[str, Floats | None]", title: str) -> "Figure":
-    """Draw columns [SI] over time [s], a panel each."""
-    import matplotlib
-    from matplotlib.figure import Figure
-
-    drawn = {name: column for name, column in columns.items() if column is not None}
-    with matplotlib.rc_context(_STYLE):
-        page = Figure(figsize=(10.0, 3.2 * len(drawn)), layout="constrained")
-        axes = page.subplots(len(drawn), 1, sharex=True, squeeze=False)[:, 0]
-        for panel, (name, column) in zip(axes, drawn.items(), strict=True):
-            scale = scale_for(float(np.max(np.abs(column))), "m" if name == "x" else "N")
-            panel.plot(time, column / scale.size, color=_BLUE)
-            panel.set_ylabel(f"{name}  [{scale.symbol}]")
-        axes[-1].set_xlabel("time  [s]")
-        page.suptitle(title, x=0.012, ha="left", fontsize=11)
-        return page
-
-
-def _drawn(run: Run, page: "Figure") -> "Figure":
+    page = Figure(figsize=(10.0, 6.4), layout="constrained")
     drawn = points(run) if run.hidden_events else curve(run)
     start, stop = float(run.samples["time"][0]), float(run.last["time"])
     time = scale_for(max(abs(start), abs(stop)), "s", 0.1)
@@ -253,9 +157,42 @@ def _drawn(run: Run, page: "Figure") -> "Figure":
     return page
 
 
-def _draw_motion(panel: "Axes", run: Run, drawn: Curve, time: Scale) -> None:
-    from matplotlib.patches import Patch
+@mpl.rc_context(_STYLE)
+def bars(rows: Mapping[str, Sequence[Interval]], between: tuple[float, float]) -> Figure:
+    """Draw intervals of the pulling velocity [m/s], a row each, in the range searched."""
+    page = Figure(figsize=(10.0, 2.4), layout="constrained")
+    panel = page.add_subplot()
+    highest = [each.high for row in rows.values() for each in row if each.high < np.inf]
+    # A closed form answers for all velocities.
+    most = between[1] if between[1] < np.inf else 1.5 * max(highest, default=1.0)
+    scale = scale_for(most, "m/s")
+    low, high = between[0] / scale.size, most / scale.size
+    for row, intervals in enumerate(rows.values()):
+        for each in intervals:
+            begin = max(each.low / scale.size, low)
+            panel.barh(row, min(each.high / scale.size, high) - begin, 0.5, begin, color=_BLUE)
+    panel.set(xlim=(low, high), ylim=(len(rows) - 0.5, -0.5), yticks=range(len(rows)))
+    panel.set_yticklabels(rows)
+    panel.set_xlabel(f"pulling velocity  [{scale.symbol}]")
+    return page
 
+
+@mpl.rc_context(_STYLE)
+def panels(time: Floats, columns: Mapping[str, Floats | None], title: str) -> Figure:
+    """Draw columns [SI] over time [s], a panel each."""
+    drawn = {name: column for name, column in columns.items() if column is not None}
+    page = Figure(figsize=(10.0, 3.2 * len(drawn)), layout="constrained")
+    axes = page.subplots(len(drawn), 1, sharex=True, squeeze=False)[:, 0]
+    for panel, (name, column) in zip(axes, drawn.items(), strict=True):
+        scale = scale_for(float(np.max(np.abs(column))), "m" if name == "x" else "N")
+        panel.plot(time, column / scale.size, color=_BLUE)
+        panel.set_ylabel(f"{name}  [{scale.symbol}]")
+    axes[-1].set_xlabel("time  [s]")
+    page.suptitle(title, x=0.012, ha="left", fontsize=11)
+    return page
+
+
+def _draw_motion(panel: Axes, run: Run, drawn: Curve, time: Scale) -> None:
     length = scale_for(float(np.max(np.abs([drawn.x, drawn.x_pull]))), "m", 2.0)
     t = drawn.t / time.size
     pulled_end, mass = (
@@ -279,7 +216,7 @@ def _draw_motion(panel: "Axes", run: Run, drawn: Curve, time: Scale) -> None:
     panel.legend(handles=handles, loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=6, borderpad=0)
 
 
-def _draw_force(panel: "Axes", run: Run, drawn: Curve, time: Scale) -> None:
+def _draw_force(panel: Axes, run: Run, drawn: Curve, time: Scale) -> None:
     lines = _break_away_lines(run)
     largest = float(np.max(np.abs([*drawn.F, *lines.values()])))
     force = scale_for(largest, "N")
@@ -342,7 +279,7 @@ def _overshoot(run: Run, drawn: Curve, sign: int) -> float:
     return furthest
 
 
-def _mark(panel: "Axes", run: Run, time: Scale, heights: list[float], color: str) -> None:
+def _mark(panel: Axes, run: Run, time: Scale, heights: list[float], color: str) -> None:
     if run.hidden_events or len(run.events) > _MOST_MARKED_EVENTS:
         return
     size = 26.0 if len(run.events) <= 30 else 12.0

@@ -6,8 +6,7 @@ import math
 import re
 from collections import Counter
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Any, Final, NamedTuple
 
 import numpy as np
 from rich.box import SIMPLE_HEAD
@@ -87,32 +86,28 @@ def _without_blanks_at_the_end(line: list[Segment]) -> list[Segment]:
     return kept
 
 
-_KINDS = {
-    "eigenvalue": "eigenvalue",
-    "grazing": "grazing",
-    "fold": "fold",
-    "reversal": "reversal",
-    "none": "search",
-}
-
-
 def critical_table(found: CriticalVelocity, there: Regime | None = None) -> RenderableType:
     """Make the table of a limit, with what happens at a velocity where it is given."""
     rows = [
         *_intervals("a cycle with a stick exists", found.cycle, proven=found.proven),
         *_intervals("steady sliding is unstable", found.unstable, proven=found.proven),
     ]
-    notes = [] if found.proven else [_searched(found)]
+    notes = []
     if there is not None:
-        notes.insert(0, f"at {_speed(there.speed)} the mass {there.words}{_settles(there)}")
+        settles = ""
+        if there.kinds == ("even",) and not math.isinf(there.settling):
+            settles = (
+                f": within 5 % of the speed {there.settling:.3g} s after it breaks away from rest"
+            )
+        notes.append(f"at {_speed(there.speed)} the mass {there.words}{settles}")
+    if not found.proven:
+        low, high = map(_speed, found.between)
+        notes.append(
+            f"searched: {low} to {high} (--from, --to); nothing narrower than 1 % of v was looked "
+            "for"
+        )
     table = grid(("", "from", "", "to", ""), rows, texts=(0, 2, 4))
     return Group(table, *(Text(note) for note in notes))
-
-
-def _settles(there: Regime) -> str:
-    if there.kinds != ("even",) or math.isinf(there.settling):
-        return ""
-    return f": within 5 % of the speed {there.settling:.3g} s after it breaks away from rest"
 
 
 def _intervals(name: str, ranges: Sequence[Interval], *, proven: bool) -> list[list[str]]:
@@ -131,19 +126,11 @@ def _intervals(name: str, ranges: Sequence[Interval], *, proven: bool) -> list[l
 
 
 def _kind(v: float, kind: str) -> str:
-    return "" if v in (0.0, math.inf) else _KINDS[kind]
+    return "" if v in (0.0, math.inf) else "search" if kind == "none" else kind
 
 
 def _speed(v: float) -> str:
     return "no end" if math.isinf(v) else scale_for(v, "m/s").text(v)
-
-
-def _searched(found: CriticalVelocity) -> str:
-    low, high = found.between
-    return (
-        f"searched: {_speed(low)} to {_speed(high)} (--from, --to); nothing narrower than 1 % of v "
-        "was looked for"
-    )
 
 
 _ROWS: tuple[tuple[str, str, str], ...] = (
@@ -161,8 +148,7 @@ _ROWS: tuple[tuple[str, str, str], ...] = (
 _STYLES = {"measured": "bold", "exact": "", "simplified": "dim"}
 
 
-@dataclass(frozen=True)
-class Row:
+class Row(NamedTuple):
     """A quantity of the cycle, SI: measured in the run, exact and simplified; NaN where none."""
 
     name: str
@@ -181,11 +167,13 @@ def cycle_rows(run: Run, p: stickslip_ref.Parameters | None) -> Iterator[Row]:
     exact = designers = None
     if p is not None:
         exact, designers = stickslip_ref.steady_cycle(p), stickslip_ref.simplified(p)
-    seen = _measured_names(run)
-    if p is not None and stickslip_ref.COULOMB.ages(p):
-        # The output shows the value of the last sample, and both theories that of the break-away.
-        seen -= {"F_s"}
-    return _rows({name: float(run.last[name]) for name in seen}, exact, designers)
+    last = run.last
+    # What the meter has filled. The output F_s is that of the last sample; where static friction
+    # ages both theories have that of the break-away.
+    seen = [] if p is not None and stickslip_ref.COULOMB.ages(p) else ["F_s"]
+    seen += ["spring_drop", "delta_x", "t_slip", "x_dot_peak"] if last["n_slips"] > 0 else []
+    seen += ["t_stick", "T", "f"] if last["T"] > 0.0 else []
+    return _rows({name: float(last[name]) for name in seen}, exact, designers)
 
 
 def _rows(measured: Mapping[str, float], exact: object, designers: object) -> Iterator[Row]:
@@ -259,17 +247,6 @@ def _table(
     return table
 
 
-def _measured_names(run: Run) -> set[str]:
-    """Name the rows that the meter has filled by the end of the run."""
-    last = run.last
-    names = {"F_s"}
-    if last["n_slips"] > 0:
-        names |= {"spring_drop", "delta_x", "t_slip", "x_dot_peak"}
-    if last["T"] > 0.0:
-        names |= {"t_stick", "T", "f"}
-    return names
-
-
 def _title(run: Run) -> str:
     slips = int(run.last["n_slips"])
     start, stop = float(run.samples["time"][0]), float(run.last["time"])
@@ -301,11 +278,8 @@ def _why_none(p: stickslip_ref.Parameters) -> str:
     if stickslip_ref.COULOMB.ages(p):
         return f"at this speed the mass {stickslip_ref.regime(p).words}"
     v_c = float(stickslip_ref.coulomb_limit(p))
-    scale = scale_for(v_c, "m/s")
-    return (
-        f"|v| is above the critical velocity v_c = {v_c / scale.size:.4g} {scale.symbol}, "
-        "so a slip ends in steady sliding"
-    )
+    limit = scale_for(v_c, "m/s").text(v_c, ".4g")
+    return f"|v| is above the critical velocity v_c = {limit}, so a slip ends in steady sliding"
 
 
 def _number(value: float) -> str:

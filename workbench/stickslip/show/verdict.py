@@ -196,9 +196,11 @@ def _short_table(results: Sequence[CheckResult]) -> Table:
         for result in of_case:
             checks.setdefault(result.check, []).append(result)
         for check, row in checks.items():
-            sides = (("fmu", "both"), ("reference",))
-            ratios = (_worst([result for result in row if result.side in side]) for side in sides)
-            rows.append((f" {check}", *ratios, word(row)))
+            worst = []
+            for sides in (("fmu", "both"), ("reference",)):
+                ratios = [margin(each.error, each.tolerance) for each in row if each.side in sides]
+                worst.append(_number(max(ratios), ".2g") if ratios else "")
+            rows.append((f" {check}", *worst, word(row)))
     # Without edges the longest names of checks fit 60 characters.
     return grid(
         ("case\n check", "FMU", "ref.", "verdict"),
@@ -208,12 +210,6 @@ def _short_table(results: Sequence[CheckResult]) -> Table:
         show_edge=False,
         padding=(0, 1, 0, 0),
     )
-
-
-def _worst(row: Sequence[CheckResult]) -> str:
-    """Write the largest error in units of its tolerance."""
-    ratios = [margin(result.error, result.tolerance) for result in row]
-    return _number(max(ratios), ".2g") if ratios else ""
 
 
 def case_table(cases: Sequence[Case]) -> RenderableType:

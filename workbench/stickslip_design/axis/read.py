@@ -126,12 +126,18 @@ def axis_of(text: str, name: str = "axis.toml", folder: Path | None = None) -> A
     return axis_file_of(text, name, folder).axis()
 
 
-def axis_file_of(text: str, name: str = "axis.toml", folder: Path | None = None) -> AxisFile:
-    """Read what the text of an axis file states; arguments and errors as of `axis_of`."""
-    try:
-        data = tomllib.loads(text)
-    except tomllib.TOMLDecodeError as error:
-        raise _not_toml(error, name, text) from None
+def axis_file_of(
+    text: str | Mapping[str, Any], name: str = "axis.toml", folder: Path | None = None
+) -> AxisFile:
+    """Read what an axis file states, its text or its tables; as `axis_of`."""
+    if isinstance(text, str):
+        try:
+            data: Mapping[str, Any] = tomllib.loads(text)
+        except tomllib.TOMLDecodeError as error:
+            raise _not_toml(error, name, text) from None
+    else:
+        data = text
+        text = ""
     values: dict[str, Value] = {}
     written: dict[str, str] = {}
     sections: list[str] = []
@@ -153,13 +159,13 @@ def _unread(error: OSError) -> str:
 
 
 def _line_of(text: str, path: str) -> int:
-    """Return the line of a name, else of what it stands in, else the last one."""
+    """Return the line of a name, else of what it stands in, else the last one; 0 without text."""
     # It brings pydantic, which a refusal alone needs.
     from stickslip_verification.model.data_file import line_of
 
     parts = re.findall(r"[^.\[\]]+", path)
     place = [int(part) - 1 if part.isdigit() else part for part in parts]
-    return line_of(text, place) or max(1, len(text.splitlines()))
+    return line_of(text, place) or len(text.splitlines())
 
 
 def _not_toml(error: tomllib.TOMLDecodeError, name: str, text: str) -> AxisError:

@@ -45,7 +45,6 @@ from .store import (
     failures,
     name_of,
     reason,
-    store_of,
     unpacked,
 )
 from .work import STUDY, Done, begun, compute, key_of, manifest_of, work
@@ -292,7 +291,7 @@ def run(
             folder = lasting.enter_context(tempfile.TemporaryDirectory(prefix="stickslip-study-"))
         try:
             remote = None if cluster is None else stack.enter_context(cluster_of(cluster))
-            store, manifest = store_of(folder), manifest_of(study)
+            store, manifest = Store(folder), manifest_of(study)
             key = key_of(manifest)
             stack.enter_context(begun(store, manifest, fresh=fresh))
             running = _Running(study, store, key, progress)

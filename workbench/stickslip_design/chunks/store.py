@@ -111,8 +111,8 @@ PART: Final = ".part"
 class Store:
     """The files of a study in a folder, or at an address of fsspec such as s3://bucket/study.
 
-    Its `address` means the same in another process. Every method raises `OSError` where the store
-    refuses.
+    Its `address` means the same in another process. `StudyError` if it cannot be used; every method
+    raises `OSError` where the store refuses.
     """
 
     def __init__(self, address: str) -> None:
@@ -122,7 +122,11 @@ class Store:
             self._system, self._path = LocalFileSystem(), self.address
         else:
             self.address = address.rstrip("/")
-            self._system, self._path = url_to_fs(self.address)
+            try:
+                self._system, self._path = url_to_fs(self.address)
+            # Its package is not installed, or there is no such protocol.
+            except (ImportError, ValueError) as error:
+                raise StudyError(f"{address}: {error}") from error
 
     def names(self) -> set[str]:
         """Return the names of all that is there; empty if there is no such folder."""
@@ -185,17 +189,6 @@ def _lock(stream: IO[bytes]) -> None:
         import fcntl
 
         fcntl.flock(stream, fcntl.LOCK_EX | fcntl.LOCK_NB)
-
-
-def store_of(address: str) -> Store:
-    """Return the store at a folder or an address of fsspec.
-
-    `StudyError` if it cannot be used, as where the package for its protocol is not installed.
-    """
-    try:
-        return Store(address)
-    except (ImportError, ValueError) as error:
-        raise StudyError(f"{address}: {error}") from error
 
 
 _FIRST: Final = b"stickslip chunk 1 %s\n"

@@ -36,7 +36,6 @@ from .store import (
     name_of,
     packed,
     reason,
-    store_of,
 )
 
 MANIFEST: Final = "manifest.json"
@@ -234,7 +233,7 @@ def compute(store: Store, study: Study, key: str, chunk: Chunk) -> Done:
 @lru_cache(maxsize=1)
 def _opened(address: str, key: str) -> tuple[Store, Study]:
     """Return the store and the study there; refuse another folder, and other versions."""
-    store = store_of(address)
+    store = Store(address)
     manifest = read_manifest(store)
     if manifest is None or key_of(manifest) != key:
         raise StudyError(f"does not see the study in {address}; name a folder that it shares")

@@ -9,9 +9,18 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
+import matplotlib as mpl
 import numpy as np
 from markupsafe import Markup
+from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.colors import Colormap, ListedColormap, LogNorm, Normalize, to_hex, to_rgb
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.patches import Patch
+from matplotlib.ticker import FuncFormatter, LogLocator, MaxNLocator, NullFormatter
 from numpy.typing import NDArray
+from PIL import Image
 
 from stickslip_fmu.release import VERSION
 from stickslip_verification.report.files import environment, text_of
@@ -23,9 +32,6 @@ from .views import VALID, Side, View, colours, contours
 
 if TYPE_CHECKING:
     import xarray
-    from matplotlib.axes import Axes
-    from matplotlib.colors import Colormap, Normalize
-    from matplotlib.figure import Figure
 
 COLOUR_MAP: Final = "cividis"
 """Alike for every colour vision, and rising in grey."""
@@ -59,8 +65,6 @@ def figure_of(dataset: xarray.Dataset) -> Figure:
 
 def picture(view: View, part: xarray.Dataset) -> bytes:
     """Draw a slice of a map as PNG; `figure`."""
-    import matplotlib as mpl
-
     stream = io.BytesIO()
     drawn = figure(view, part)
     with mpl.rc_context(STYLE):
@@ -70,10 +74,6 @@ def picture(view: View, part: xarray.Dataset) -> bytes:
 
 def figure(view: View, part: xarray.Dataset) -> Figure:
     """Draw a slice of a map, the first parameter to the right, the second one upward."""
-    import matplotlib as mpl
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from matplotlib.figure import Figure
-
     with mpl.rc_context(STYLE):
         drawn = Figure(figsize=_SIZE, layout="constrained")
         FigureCanvasAgg(drawn)
@@ -82,10 +82,6 @@ def figure(view: View, part: xarray.Dataset) -> Figure:
 
 
 def _draw(axes: Axes, view: View, part: xarray.Dataset) -> None:
-    import matplotlib as mpl
-    from matplotlib.colors import ListedColormap
-    from matplotlib.lines import Line2D
-    from matplotlib.patches import Patch
 
     values = part[view.main].values
     norm, unit = colours([part[view.main]])
@@ -168,7 +164,6 @@ def _lines(axes: Axes, view: View, field: NDArray[Any], level: float, **look: An
 
 
 def _name(axis: Any, side: Side) -> None:
-    from matplotlib.ticker import FuncFormatter, NullFormatter
 
     if side.log:
         axis.set_tick_params(which="minor", labelsize=7)
@@ -198,19 +193,10 @@ _MOST_TICKS: Final = 7
 
 
 def page(view: View, places: Sequence[Mapping[str, int]], told: Sequence[str]) -> str:
-    """Return a map as a page for the browser.
+    """Return slices of a map, those at `places`, as a page for the browser.
 
-    Parameters
-    ----------
-    view
-        The map.
-    places
-        The slices that the page holds, as of `View.places`.
-    told
-        What the whole map says, a line each.
+    `told` is what the whole map says, a line each.
     """
-    from matplotlib.colors import LogNorm, to_hex
-
     slices = view.slices(places)
     bars: dict[str, tuple[str, list[tuple[float, str]]]] = {}
     pictures: dict[str, list[str]] = {}
@@ -272,8 +258,6 @@ def ticks(side: Side, length: float) -> list[tuple[float, str]]:
     A tick stands where its number would, between two values by the scale of the side; places are in
     the units of the SVG, of which the side has `length`.
     """
-    from matplotlib.ticker import LogLocator, MaxNLocator
-
     numbers = shown = side.shown
     if shown.size > _MOST_TICKS:
         low, high = shown[0], shown[-1]
@@ -297,9 +281,6 @@ def ticks(side: Side, length: float) -> list[tuple[float, str]]:
 
 def _picture(view: View, part: xarray.Dataset, name: str, norm: Normalize, unit: Scale) -> str:
     """Return a variable in a slice as PNG, as an address of data."""
-    from matplotlib.colors import to_rgb
-    from PIL import Image
-
     values = part[name].values
     if name == "regime":
         rgb = np.tile(to_rgb(_STICKS), (*values.shape, 1))
@@ -318,7 +299,6 @@ def _picture(view: View, part: xarray.Dataset, name: str, norm: Normalize, unit:
 
 
 def _colour_map() -> Colormap:
-    import matplotlib as mpl
 
     return mpl.colormaps[COLOUR_MAP].resampled(_LEVELS)
 

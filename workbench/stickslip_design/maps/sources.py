@@ -92,19 +92,9 @@ class Dimension:
 def dimensions(
     over: Mapping[str, str | Sequence[float]], known: Mapping[str, Quantity]
 ) -> tuple[Dimension, ...]:
-    """Return the dimensions of a map.
+    """Return the dimensions of a map, `over` as of `stickslip.map`, of what is `known` by name.
 
-    Parameters
-    ----------
-    over
-        By the name of a parameter its range, ``"0.1..50 mm/s log 400"``, or its values [SI].
-    known
-        What may be mapped over, by name.
-
-    Raises
-    ------
-    OverError
-        If there are less than two, a name is unknown, or a range cannot be taken.
+    OverError if there are less than two, a name is unknown, or a range cannot be taken.
     """
     if not isinstance(over, Mapping):
         raise OverError(
@@ -198,10 +188,7 @@ def block_source(
 ) -> Source:
     """Return the source of a map of the block; `limit` None: where it costs a minute at most.
 
-    Raises
-    ------
-    ValueError
-        If values do not go together at a corner of the map.
+    ValueError if values do not go together at a corner of the map.
     """
     table = table_of_law(law)
     closed = has_closed_form({**values, **{each.name: each.values[-1] for each in over}}, law)
@@ -264,12 +251,8 @@ def _check(row: Variable, values: NDArray[np.float64]) -> None:
 def axis_source(file: AxisFile, over: Sequence[Dimension], feed: float | None) -> Source:
     """Return the source of a map of an axis; its feed is that of the demand where none is given.
 
-    Without any feed the critical one alone is mapped.
-
-    Raises
-    ------
-    AxisError
-        If numbers do not go together at a corner of the map.
+    Without any feed the critical one alone is mapped. AxisError if numbers do not go together at a
+    corner of the map.
     """
     names = [each.name for each in over if each.name != FEED]
     feeds = next((len(each.values) for each in over if each.name == FEED), 0)

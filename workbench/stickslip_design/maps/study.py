@@ -179,11 +179,7 @@ def study_of(
     """Return the study of a map; `over`, `axis` and `limit` as of `stickslip.map`.
 
     `values` of the block are held [SI], the rest has its start value; of an axis: ``feed``.
-
-    Raises
-    ------
-    ValueError
-        If a range or a value cannot be taken.
+    ValueError if a range or a value cannot be taken.
     """
     if axis is None:
         spans = dimensions(over, block_quantities(law))

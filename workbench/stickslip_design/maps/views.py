@@ -11,6 +11,8 @@ from itertools import product
 from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
+from contourpy import contour_generator
+from matplotlib.colors import LogNorm, Normalize
 from numpy.typing import ArrayLike, NDArray
 
 from ..datasets import need
@@ -21,7 +23,6 @@ from .study import SLAB, boxes
 
 if TYPE_CHECKING:
     import xarray
-    from matplotlib.colors import Normalize
 
 Floats = NDArray[np.float64]
 
@@ -291,8 +292,6 @@ def colours(parts: Sequence[xarray.DataArray]) -> tuple[Normalize, Scale]:
 
     The norm of matplotlib takes magnitudes in that unit.
     """
-    from matplotlib.colors import LogNorm, Normalize
-
     low, high = math.inf, 0.0
     for part in parts:
         magnitudes = np.abs(part.values)
@@ -311,8 +310,6 @@ def colours(parts: Sequence[xarray.DataArray]) -> tuple[Normalize, Scale]:
 
 def contours(field: NDArray[Any], level: float) -> Iterator[Floats]:
     """Yield the lines at a level of a field as (points, 2): columns and rows of the field."""
-    from contourpy import contour_generator
-
     if min(field.shape) < 2:
         return
     masked = np.ma.masked_invalid(field)

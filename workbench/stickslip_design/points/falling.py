@@ -45,19 +45,12 @@ class _Cycles(NamedTuple):
 
 
 def motion(values: dict[str, float | Floats], law: str, row: int) -> Motion:
-    """Return the steady motions of a list of blocks.
+    """Return the steady motions of a list of blocks under a friction law.
 
-    Parameters
-    ----------
-    values
-        Every parameter and input by name [SI]: numbers and arrays of one length, ``v`` an array
-        >= 0, ``mu_k`` after the clamp.
-    law
-        Name of the friction law.
-    row
-        So many blocks at a time differ in nothing but ``v``, which rises. A limit is looked for
-        beside a block that never sticks where its neighbours stick, or where it has none: slips
-        without end take long to follow.
+    `values` are parameters and inputs by name [SI]: numbers and arrays of one length, ``v`` an
+    array >= 0, ``mu_k`` after the clamp. So many blocks at a time as `row` says differ in nothing
+    but ``v``, which rises. A limit is looked for beside a block that never sticks where its
+    neighbours stick, or where it has none: slips without end take long to follow.
     """
     v = np.asarray(values["v"])
     cycles, swings = _cycles(values, law), slides_unstably(values)

@@ -36,12 +36,12 @@ def html(verdict: Verdict) -> str:
         axis=verdict.axis,
         tables=tables,
         bars=[
-            (name, _drawn(plots.feeds(verdict, width), f"bar-{name}", "Motions over the feed"))
+            (name, drawn(plots.feeds(verdict, width), f"bar-{name}", "Motions over the feed"))
             for name, width in (("wide", plots.WIDE), ("narrow", plots.NARROW))
         ],
-        motion=_drawn(plots.before_and_after(verdict), "motion", "The motion before and after"),
+        motion=drawn(plots.before_and_after(verdict), "motion", "The motion before and after"),
         responses=[
-            _drawn(plots.responses(verdict, cut), cut, f"Open loop {words}")
+            drawn(plots.responses(verdict, cut), cut, f"Open loop {words}")
             for cut, words in tables.CUTS.items()
         ],
         version=VERSION,
@@ -49,7 +49,8 @@ def html(verdict: Verdict) -> str:
     )  # fmt: skip
 
 
-def _drawn(page: Figure | None, prefix: str, title: str) -> Markup | None:
+def drawn(page: Figure | None, prefix: str, title: str) -> Markup | None:
+    """Return a picture as a part of a page; None where there is none."""
     if page is None:
         return None
     with mpl.rc_context(STYLE):

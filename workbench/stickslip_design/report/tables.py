@@ -8,6 +8,7 @@ from itertools import pairwise
 from typing import Any, Final, Literal, NamedTuple
 
 from ..axis import Axis, Filter
+from ..axis.keys import KEYS
 from ..loop.stability import Cut
 from ..shown import EXACT, NONE, decibels, number, per_minute, shown_in, told
 from ..verdict import AxisCure, Verdict, ranges_in_words
@@ -292,55 +293,26 @@ def assumed(axis: Axis) -> Grid:
     return Grid(("not in the file", "taken", "why"), [tuple(each) for each in axis.assumed])
 
 
-_ROWS: Final = (
-    ("", "mass", "m", "kg", "table and workpiece"),
-    ("", "stiffness", "k", "N/m", "stiffness between drive and table"),
-    ("", "", "stiffest", "N/m", "stiffness at the stiffest position"),
-    ("", "c", "c", "N.s/m", "viscous friction of the guideway"),
-    ("", "load", "load", "N", "force that presses beside the weight"),
-    ("", "force_along", "along", "N", "constant force along the way"),
-    ("friction", "mu_s", "mu_s", "1", "static coefficient"),
-    ("friction", "mu_k", "mu_k", "1", "kinetic coefficient"),
-    ("drive", "inertia", "inertia", "kg", "inertia of the drive, at the slide"),
-    ("drive", "pitch", "pitch", "m", "way of the slide per turn of the motor"),
-    ("drive", "viscous_friction", "d", "N.s/m", "viscous friction of motor and nut"),
-    ("drive", "dry_friction", "dry", "N", "dry friction of motor and nut"),
-    ("drive", "K_v", "K_v", "1/s", "position gain K_v"),
-    ("drive", "bandwidth", "bandwidth", "rad/s", "bandwidth of the velocity loop"),
-    ("drive", "integral_time", "T_n", "s", "integral time of the velocity loop"),
-    ("drive", "sample_time", "T_s", "s", "sample time"),
-    ("drive", "current_lag", "lag", "s", "lag of the current loop"),
-    ("drive", "dead_time", "dead_time", "s", "dead time"),
-    ("drive", "dead_band", "dead_band", "m", "dead band"),
-    ("drive", "", "velocity_feedforward", "1", "velocity feed-forward"),
-    ("drive", "", "friction_feedforward", "N", "friction feed-forward"),
-    ("drive", "limit", "F_max", "N", "limit of the motor's force"),
-    ("drive", "", "resolution_motor", "m", "count of the motor's encoder"),
-    ("drive", "", "resolution_table", "m", "count of the scale"),
-    ("demand", "", "acceleration", "m/s2", "acceleration"),
-    ("demand", "", "largest_jump", "m", "largest jump that is allowed"),
-    ("demand", "", "largest_error", "m", "largest error at rest that is allowed"),
-)
-"""Part of the axis, name in the axis file where a number may have a ±, attribute, unit, meaning."""
-
-
 def numbers(axis: Axis) -> Grid:
-    """Return the numbers of an axis that matter to it, with their ±."""
+    """Return the numbers of an axis as its file names them, with their ±."""
     return Grid(("number", "value", "±"), list(_numbers(axis)))
 
 
 def _numbers(axis: Axis) -> Iterator[tuple[str, str, str]]:
     spread = dict(axis.spread)
-    for part, key, attribute, unit, meaning in _ROWS:
-        value: Any = getattr(getattr(axis, part) if part else axis, attribute, None)
-        width = spread.pop(f"{part or 'axis'}.{key}", None)
-        if value is None:
+    for key in KEYS.values():
+        part = axis if key.section == "axis" else getattr(axis, key.section, None)
+        value: Any = getattr(part, key.symbol, None) if key.symbol and key.units else None
+        if value is None or isinstance(value, tuple):
             continue
-        yield meaning, told(value, unit, EXACT), "" if width is None else told(width, unit, EXACT)
-        if attribute == "c":
+        unit, width = key.units[0], spread.pop(key.path, None)
+        yield key.path, told(value, unit, EXACT), "" if width is None else told(width, unit, EXACT)
+        if key.symbol == "k" and axis.stiffest is not None:
+            yield "stiffness at the stiffest position", told(axis.stiffest, unit, EXACT), ""
+        if key.symbol == "c":
             zeta = 0.5 * axis.c / math.sqrt(axis.k * axis.m)
             yield "damping ratio, drive held fast", f"{number(100.0 * zeta)} %", ""
-        if attribute == "mu_k":
+        if key.symbol == "mu_k":
             forces = f"{told(axis.F_s, 'N', EXACT)}, {told(axis.F_k, 'N', EXACT)}"
             yield "break-away force, kinetic friction", forces, ""
     law = axis.friction.law

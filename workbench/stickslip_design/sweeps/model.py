@@ -11,9 +11,8 @@ import math
 import re
 import tempfile
 import zipfile
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
-from difflib import get_close_matches
 from fractions import Fraction
 from io import BytesIO
 from pathlib import Path
@@ -27,45 +26,19 @@ from stickslip_verification.drive.instance import FLOATING
 from stickslip_verification.model.units import Conversion
 
 from ..chunks import StudyError
-from ..quantity import QuantityError, on_data_sheet, parts_of
-
-MOST_SHOWN = 5
-"""Nearest names that a refusal lists."""
+from ..quantity import QuantityError, on_data_sheet
 
 
 class SweepError(StudyError):
     """A model, a plan or a table of it cannot be used; one line with file, line, name, reason."""
 
 
-def nearest(name: str, known: Iterable[str]) -> str:
-    """Return the names most like one that is not known, as the end of a refusal."""
-    names = list(known)
-    folded = {other.lower(): other for other in names}
-    near = [folded[match] for match in get_close_matches(name.lower(), folded, MOST_SHOWN, 0.5)]
-    # The last part of a structured name may be all that a person remembers.
-    last = name.rpartition(".")[2].lower()
-    near += [other for other in names if other.rpartition(".")[2].lower() == last]
-    if near:
-        return f"nearest: {', '.join([*dict.fromkeys(near)][:MOST_SHOWN])}"
-    listed = ", ".join(names[:MOST_SHOWN])
-    more = len(names) - MOST_SHOWN
-    return f"there is {listed or 'none'}{f' and {more} more' if more > 0 else ''}"
-
-
-def read_as(units: Mapping[str, Unit], text: str, unit: str) -> float:
-    """Read a number in the unit that a model declares, which defines `units`.
-
-    A plain number is in that unit; where it is empty only these are understood. `QuantityError` if
-    the text is no finite number, or its unit is unknown or of another dimension.
-    """
-    number, symbol = parts_of(text)
-    if not math.isfinite(float(number)):
-        raise QuantityError("is larger than a double can hold")
-    return in_unit(units, number, symbol, unit)
-
-
 def in_unit(units: Mapping[str, Unit], number: str, symbol: str, unit: str) -> float:
-    """Return a number with a unit as one in another unit; arguments and errors as of `read_as`."""
+    """Return a number with a unit as one in another unit, where a model defines `units`.
+
+    Where that unit is empty a plain number alone is understood. `QuantityError` if a unit is
+    unknown, they are of different dimensions, or the number is larger than a double can hold.
+    """
     if symbol in ("", unit):
         return float(number)
     if not unit:

@@ -23,7 +23,8 @@ import json
 import math
 import re
 import textwrap
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
+from difflib import get_close_matches
 from pathlib import Path
 from typing import Annotated, Any, Final, TypeAlias
 
@@ -33,7 +34,7 @@ from pydantic.dataclasses import dataclass
 from stickslip_verification.model.data_file import WRITTEN, DataError, DataFile, Written
 
 from ..quantity import BETWEEN, QuantityError, typed
-from .model import Model, SweepError, Variable, nearest
+from .model import Model, SweepError, Variable
 from .runs import REDUCTIONS
 
 TIME_LIMIT: Final = 60.0
@@ -45,12 +46,31 @@ MOST_RUNS: Final = 10**18
 
 _COUNT: Final = re.compile(r"\d{1,18}", re.ASCII)
 
+MOST_SHOWN = 5
+"""Nearest names that a refusal lists."""
+
+
 Scalar: TypeAlias = float | int | bool | str
 """A value as TOML has it."""
 
 
 class PlanError(DataError, SweepError):
     """A plan cannot be used."""
+
+
+def nearest(name: str, known: Iterable[str]) -> str:
+    """Return the names most like one that is not known, as the end of a refusal."""
+    names = list(known)
+    folded = {other.lower(): other for other in names}
+    near = [folded[match] for match in get_close_matches(name.lower(), folded, MOST_SHOWN, 0.5)]
+    # The last part of a structured name may be all that a person remembers.
+    last = name.rpartition(".")[2].lower()
+    near += [other for other in names if other.rpartition(".")[2].lower() == last]
+    if near:
+        return f"nearest: {', '.join([*dict.fromkeys(near)][:MOST_SHOWN])}"
+    listed = ", ".join(names[:MOST_SHOWN])
+    more = len(names) - MOST_SHOWN
+    return f"there is {listed or 'none'}{f' and {more} more' if more > 0 else ''}"
 
 
 def is_tabular(written: Any) -> bool:

@@ -21,11 +21,13 @@ from typing import Any, Final, NamedTuple, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
+from stickslip_verification import Unit
+
 from ..curve_file import csv_lines
 from ..datasets import need
-from ..quantity import BETWEEN, QuantityError, parse_range
-from .model import Model, SweepError, Variable, in_unit, nearest, read_as
-from .plan import PlanFile, Scalar, is_tabular
+from ..quantity import BETWEEN, QuantityError, parse_range, parts_of
+from .model import Model, SweepError, Variable, in_unit
+from .plan import PlanFile, Scalar, is_tabular, nearest
 from .runs import column_of, reduces
 
 _HEADING: Final = re.compile(r"(?P<name>.*?)\s*(?:\[(?P<unit>[^\]]*[^\]\d][^\]]*)\])?")
@@ -121,16 +123,29 @@ _WHOLE = 1e-9
 """Of a step: by how much the last one may be off and still count as whole."""
 
 
-class Resolver:
-    """A plan for a model.
+def read_as(units: Mapping[str, Unit], text: str, unit: str) -> float:
+    """Read a number in the unit that a model declares, which defines `units`.
+
+    A plain number is in that unit; where it is empty only these are understood. `QuantityError` if
+    the text is no finite number, or its unit is unknown or of another dimension.
+    """
+    number, symbol = parts_of(text)
+    if not math.isfinite(float(number)):
+        raise QuantityError("is larger than a double can hold")
+    return in_unit(units, number, symbol, unit)
+
+
+class Resolver(PlanFile):
+    """A plan, a file or what its TOML says, for a model.
 
     Its methods raise a `SweepError` for a name that the model does not have, a variable that cannot
     be set or read, a value that is none of it, a file of columns that cannot be used, times that do
     not go together. `files` are the files of columns that were read, by name.
     """
 
-    def __init__(self, plan: PlanFile, model: Model) -> None:
-        self._plan, self._says, self._model = plan, plan.says, model
+    def __init__(self, plan: Path | str | Mapping[str, Any], model: Model) -> None:
+        super().__init__(plan)
+        self._model = model
         self.files: dict[str, Columns] = {}
 
     def values(
@@ -140,7 +155,7 @@ class Resolver:
 
         The second are the axes of a grid or the columns of points.
         """
-        says, fixed, by_table = self._says, dict(self._model.bound), dict[str, str]()
+        says, fixed, by_table = self.says, dict(self._model.bound), dict[str, str]()
         axes: dict[str, NDArray[np.float64]] = {}
         for table, entries in (("parameters", says.parameters), ("inputs", says.inputs)):
             for name, written in entries.items():
@@ -149,7 +164,7 @@ class Resolver:
                 if is_tabular(written):
                     if table == "parameters":
                         reason = f"{written!r}: a file goes with [inputs] or points"
-                        raise self._plan.refused(key, reason)
+                        raise self.refused(key, reason)
                     by_table[name] = written
                     continue
                 values = self._values(key, variable, written)
@@ -167,9 +182,9 @@ class Resolver:
         if variable is None:
             near = nearest(name, self._model.variables)
             of = self._model.path.name
-            raise self._plan.refused(key, f"is no variable of {of}; {near}")
+            raise self.refused(key, f"is no variable of {of}; {near}")
         if variable.obstacle:
-            raise self._plan.refused(key, variable.obstacle)
+            raise self.refused(key, variable.obstacle)
         return variable
 
     def _to_set(self, key: str, name: str, *, is_input: bool) -> Variable:
@@ -182,7 +197,7 @@ class Resolver:
             if wire.input == name:
                 reason = reason or f"is driven by {wire.output}, and cannot be set"
         if reason:
-            raise self._plan.refused(key, reason)
+            raise self.refused(key, reason)
         return variable
 
     def _values(
@@ -196,7 +211,7 @@ class Resolver:
                     variable.check(number)
                     numbers.append(number)
             except QuantityError as error:
-                raise self._plan.refused(key, f"{value!r} {error}") from None
+                raise self.refused(key, f"{value!r} {error}") from None
         return np.array(numbers)
 
     def _numbers(self, variable: Variable, value: Scalar, *, in_list: bool) -> list[float]:
@@ -213,17 +228,17 @@ class Resolver:
     def _columns(self, key: str, name: str) -> Columns:
         if name not in self.files:
             try:
-                self.files[name] = read_columns(self._plan.file(name))
+                self.files[name] = read_columns(self.file(name))
             except SweepError as error:
-                raise self._plan.refused(key, f"{name!r}: {error}") from None
+                raise self.refused(key, f"{name!r}: {error}") from None
         return self.files[name]
 
     def _points(self, axes: Mapping[str, object]) -> dict[str, NDArray[np.float64]]:
         """Return the columns of the file of points, which goes with no `axes`."""
-        file = self._says.points
+        file = self.says.points
         if axes:
             reason = f"{file!r} and the values of {next(iter(axes))} are two sets"
-            raise self._plan.refused("points", reason)
+            raise self.refused("points", reason)
         columns = self._columns("points", file)
         points = {}
         for name in columns.values:
@@ -233,8 +248,8 @@ class Resolver:
                 raise SweepError(f"{error} ({file}: {name})") from None
             points[name] = self._column("points", variable, columns)
         for name in points:
-            if name in {**self._says.parameters, **self._says.inputs}:
-                raise self._plan.refused("points", f"{file!r} has {name}, and so has the plan")
+            if name in {**self.says.parameters, **self.says.inputs}:
+                raise self.refused("points", f"{file!r} has {name}, and so has the plan")
         return points
 
     def _column(self, key: str, variable: Variable, columns: Columns) -> NDArray[np.float64]:
@@ -245,31 +260,31 @@ class Resolver:
                 variable.check(number)
         except QuantityError as error:
             reason = f"{columns.file.name!r}: {variable.name} {error}"
-            raise self._plan.refused(key, reason) from None
+            raise self.refused(key, reason) from None
         return numbers
 
     def times(self, *, varying: bool) -> tuple[NDArray[np.float64], NDArray[np.float64], int]:
         """Return communication points, their steps, and the first point that is looked at."""
-        plan, name = self._plan, self._model.path.name
-        stated = {**self._model.experiment, **self._says.times}
+        name = self._model.path.name
+        stated = {**self._model.experiment, **self.says.times}
         start, stop = stated.get("start_time", 0.0), stated.get("stop_time")
         if stop is None:
-            raise SweepError(f"{plan.path}: has no stop_time, and {name} no default of it")
+            raise SweepError(f"{self.path}: has no stop_time, and {name} no default of it")
         duration = stop - start
         if not duration > 0.0:
             reason = f"{stop:g} s is not after start_time = {start:g} s"
-            raise plan.refused("stop_time", reason)
-        samples = varying or self._model.wires or reduces(self._says.outputs)
+            raise self.refused("stop_time", reason)
+        samples = varying or self._model.wires or reduces(self.says.outputs)
         if "step" not in stated and samples:
             raise SweepError(
-                f"{plan.path}: has no step, and {name} no default of it; write such as "
+                f"{self.path}: has no step, and {name} no default of it; write such as "
                 f'step = "{duration / 1000.0:g} s"'
             )
         step = min(stated.get("step", duration), duration)
         count = duration / step
         if count > MOST_STEPS:
             reason = f"{step:g} s makes {count:.3g} steps; at most {MOST_STEPS:g}"
-            raise plan.refused("step", reason)
+            raise self.refused("step", reason)
         steps = max(1, math.ceil(count - _WHOLE))
         times: NDArray[np.float64] = start + step * np.arange(steps + 1, dtype=np.float64)
         times[-1] = stop
@@ -278,7 +293,7 @@ class Resolver:
             lengths[-1] = times[-1] - times[-2]
         settle = stated.get("settle", 0.0)
         if settle >= duration:
-            raise plan.refused("settle", f"{settle:g} s is the whole run of {duration:g} s or more")
+            raise self.refused("settle", f"{settle:g} s is the whole run of {duration:g} s or more")
         return times, lengths, int(np.searchsorted(times, start + settle - _WHOLE * step))
 
     def table(self, name: str, file: str, times: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -288,16 +303,16 @@ class Resolver:
         for column in (_TIME, name):
             if column not in columns.values:
                 has = f"no column {column}; it has {', '.join(columns.values)}"
-                raise self._plan.refused(key, f"{columns.file.name!r} has {has}")
+                raise self.refused(key, f"{columns.file.name!r} has {has}")
         variable = self._model.variables[name]
         values = self._column(key, variable, columns)
         try:
             at = _converted(columns, _TIME, "s", None)
         except QuantityError as error:
-            raise self._plan.refused(key, f"{columns.file.name!r}: {_TIME} {error}") from None
+            raise self.refused(key, f"{columns.file.name!r}: {_TIME} {error}") from None
         if np.any(np.diff(at) < 0.0):
             row = int(np.argmax(np.diff(at) < 0.0)) + 2
-            raise self._plan.refused(key, f"{columns.file.name!r}: time falls in row {row}")
+            raise self.refused(key, f"{columns.file.name!r}: time falls in row {row}")
         # Of rows of one time the last one counts from then on.
         before = np.searchsorted(at, times[:-1], side="right") - 1
         first = np.clip(before, 0, len(at) - 1)
@@ -313,13 +328,13 @@ class Resolver:
     def check_outputs(self, swept: Iterable[str]) -> None:
         """Refuse two columns of a name in the results, where those of what is swept stand too."""
         taken = dict.fromkeys((*swept, "failure"), "what is swept is")
-        for name, reductions in self._says.outputs.items():
+        for name, reductions in self.says.outputs.items():
             key = f"outputs.{name}"
             self._variable(key, name)
             for column in (column_of(name, reduction) for reduction in reductions):
                 if column in taken:
                     reason = f"would be {column} in the results, as {taken[column]}"
-                    raise self._plan.refused(key, reason)
+                    raise self.refused(key, reason)
                 taken[column] = name
 
 

@@ -32,9 +32,9 @@ from stickslip_verification.drive.description import new_folder, unpack
 from stickslip_verification.drive.processes import LostError, Worker
 
 from ..chunks import Columns, Computing, Results, run
-from ..datasets import digest_of, need, provenance, write_grid, write_points
+from ..datasets import digest_of, need, provenance, write_points
 from .model import Model, SweepError, read_model
-from .plan import TIME_LIMIT, PlanFile
+from .plan import TIME_LIMIT
 from .resolve import Resolver
 from .runs import REDUCTIONS, Runner, Runs
 
@@ -261,8 +261,8 @@ def prepare(model: Model | Path | str, plan: Path | str | Mapping[str, Any]) -> 
     """Return the study of a sweep, without a run of it; arguments and errors as of `sweep`."""
     if not isinstance(model, Model):
         model = read_model(model)
-    file = PlanFile(plan)
-    says, resolver = file.says, Resolver(file, model)
+    resolver = Resolver(plan, model)
+    says = resolver.says
     fixed, axes, by_table = resolver.values()
     times, steps, settled = resolver.times(varying=bool(by_table))
     tables = {name: resolver.table(name, of, times) for name, of in by_table.items()}
@@ -380,8 +380,11 @@ def computed(
         release()
     dataset = _dataset(study, results.read())
     if folder is not None:
-        write = write_grid if study.on_grid else write_points
-        write(dataset, f"{folder}/{file_of(study)}")
+        target = f"{folder}/{file_of(study)}"
+        if study.on_grid:
+            dataset.to_zarr(target, mode="w", consolidated=False)
+        else:
+            write_points(dataset, target)
     return dataset
 
 

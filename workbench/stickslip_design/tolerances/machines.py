@@ -135,19 +135,9 @@ def varying(
 ) -> dict[str, Distribution]:
     """Return how the numbers of an axis file vary, by name in the order of the file.
 
-    Parameters
-    ----------
-    file
-        The axis file; its ± count where nothing else is said.
-    vary
-        Distributions as people write them, by the name of a number in the file.
-    spread_is
-        What a ± means.
-
-    Raises
-    ------
-    AxisError
-        If the file states no such number, a text is no distribution, or nothing varies.
+    `vary` are distributions as people write them, by the name of a number in the file; the ± of the
+    file, whose meaning is `spread_is`, count where nothing else is said. AxisError if the file
+    states no such number, a text is no distribution, or nothing varies.
     """
     for path in vary:
         if path.startswith("demand."):
@@ -424,19 +414,10 @@ def shares(seed: int, start: int, stop: int, count: int) -> Floats:
 
 
 def factor_of(names: Sequence[str], correlation: Mapping[tuple[str, str], float]) -> Factor:
-    """Return the lower triangular L of L L^T = R, the correlations of numbers.
+    """Return the lower triangular L of L L^T = R, the correlations of numbers that vary.
 
-    Parameters
-    ----------
-    names
-        Names of the numbers that vary.
-    correlation
-        Correlations of pairs of them, -1 to 1 [-]; others are 0.
-
-    Raises
-    ------
-    ValueError
-        If a name does not vary, a correlation is out of range, or they exclude each other.
+    `correlation` has those of pairs, -1 to 1 [-]; others are 0. ValueError if a name does not vary,
+    a correlation is out of range, or they exclude each other.
     """
     R = np.eye(len(names))
     for pair, value in correlation.items():

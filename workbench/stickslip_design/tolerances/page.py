@@ -9,7 +9,6 @@ from typing import Any, Final
 
 import matplotlib as mpl
 import numpy as np
-from markupsafe import Markup
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
@@ -17,10 +16,10 @@ from numpy.typing import NDArray
 
 from stickslip_fmu.release import VERSION
 from stickslip_verification.report.files import environment, text_of
-from stickslip_verification.report.svg import BLUE, GREY, INK, ORANGE, STYLE, as_part
+from stickslip_verification.report.svg import BLUE, GREY, INK, ORANGE, STYLE
 
 from ..points.columns import Regime
-from ..report.page import plain
+from ..report.page import drawn, plain
 from ..shown import EXACT, number
 from . import words
 from .statistics import interval
@@ -67,8 +66,8 @@ def draw_probability(on: Axes, found: Scatter) -> bool:
             color=INK, marker="o", ms=4.5, capsize=3.0, lw=1.2, zorder=3, clip_on=False,
         )  # fmt: skip
     _log_axis(on)
-    on.set(ylim=(0.0, 100.0), xlabel="feed  [mm/s]", ylabel="machines that jump  [%]")
-    on.set_title("How many jump", loc="left")
+    on.set(ylim=(0.0, 100.0), title="How many jump")
+    on.set(xlabel="feed  [mm/s]", ylabel="machines that jump  [%]")
     on.grid(visible=True)
     return True
 
@@ -94,8 +93,8 @@ def draw_jumps(on: Axes, found: Scatter) -> bool:
     on.set_yticks(range(len(shown)), [feed(each.feed) for each in shown])
     on.set_ylim(-0.6, max(len(shown), 1) - 0.4)
     on.set_xlim(left=0.0)
-    on.set_xlabel("jump of those that jump: 5 %, median, 95 %  [µm]")
-    on.set_title("How far they jump", loc="left")
+    words = "jump of those that jump: 5 %, median, 95 %  [µm]"
+    on.set(xlabel=words, title="How far they jump")
     on.grid(visible=True, axis="x")
     return bool(shown)
 
@@ -115,8 +114,7 @@ def draw_convergence(on: Axes, found: Scatter) -> bool:
         name = feed(found.question.feeds[place - 1])
         on.plot(sizes, 100.0 * hits / sizes, color=colour, ls=line, lw=1.4, label=name)
     _log_axis(on)
-    on.set(xlabel="machines drawn", ylabel="machines that jump  [%]")
-    on.set_title("Convergence", loc="left")
+    on.set(xlabel="machines drawn", ylabel="machines that jump  [%]", title="Convergence")
     on.legend(loc="best", fontsize=8.5)
     on.grid(visible=True)
     return True
@@ -139,8 +137,8 @@ def draw_indices(on: Axes, found: Scatter) -> bool:
     on.set_yticks(places, [names[place] for place in order])
     on.set_xlim(left=min(0.0, float(each.first_range.min())))
     on.axvline(0.0, color=GREY, lw=0.7)
-    on.set_xlabel("part of the variance")
-    on.set_title(f"What the {name_of(found, result)} scatters with", loc="left")
+    scatters = f"What the {name_of(found, result)} scatters with"
+    on.set(xlabel="part of the variance", title=scatters)
     on.legend(loc="lower right", fontsize=8.5)
     on.grid(visible=True, axis="x")
     return True
@@ -158,7 +156,7 @@ PICTURES: Final[dict[str, Draw]] = {
 def picture(found: Scatter, names: Sequence[str] = tuple(PICTURES)) -> Figure | None:
     """Return one picture, or four on a page; None where there is nothing to draw."""
     side = math.isqrt(len(names))
-    with mpl.rc_context(STYLE):
+    with mpl.rc_context(STYLE | {"axes.titlelocation": "left"}):
         page = Figure(figsize=(5.2 * side, 3.4 * side), layout="constrained")
         for place, name in enumerate(names, 1):
             on = page.add_subplot(side, side, place)
@@ -184,16 +182,11 @@ _STYLES: Final = _HERE.parent / "report" / "templates"
 def html(found: Scatter) -> str:
     """Return the page; the same answer gives the same text."""
     asked = found.question
-    with mpl.rc_context(STYLE):
-        pictures = [
-            Markup(as_part(drawn, name, f"Scatter: {name}"))
-            for name in PICTURES
-            if (drawn := picture(found, [name])) is not None
-        ]
+    pictures = [drawn(picture(found, [name]), name, f"Scatter: {name}") for name in PICTURES]
     return environment(_HERE / "templates").get_template("scatter.html.j2").render(
         name=asked.population.file.axis().name,
         sentences=list(words.sentences(found)),
-        pictures=pictures,
+        pictures=[*filter(None, pictures)],
         feeds=words.feeds(found),
         parts=words.parts(found),
         numbers=words.numbers(found),

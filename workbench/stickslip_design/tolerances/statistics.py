@@ -171,21 +171,9 @@ def _generator(seed: int, use: int) -> np.random.Generator:
 
 
 def indices(values: Floats, rows: int, seed: int) -> Indices | None:
-    """Return the Sobol indices of a result.
+    """Return the Sobol indices of a result at the points of `mixed`, of so many rows, in order.
 
-    Parameters
-    ----------
-    values
-        The result at the points of `mixed`, in their order.
-    rows
-        Rows of A and of B.
-    seed
-        Of the resamples.
-
-    Returns
-    -------
-    Indices or None
-        None where the result is not finite at each point, or the same at all.
+    `seed` is that of the resamples. None where the result is not finite at each point, or the same.
     """
     if not np.isfinite(values).all() or values.min() == values.max():
         return None
@@ -362,18 +350,9 @@ def hold_of(
 def solved(
     population: Population, hold: Hold, count: int, compute: Callable[[Study, str], Results]
 ) -> Solved:
-    """Return the nominal value at which a share of machines runs evenly at a feed.
+    """Return the nominal value at which a share of `count` machines runs evenly at a feed.
 
-    Parameters
-    ----------
-    population
-        The machines.
-    hold
-        What must hold.
-    count
-        How many machines are drawn: the same for each value.
-    compute
-        Computes a study; the text says what for.
+    The same machines are drawn for each value. `compute` computes a study; the text says what for.
     """
     share, feed, path, now, low, high = hold
 

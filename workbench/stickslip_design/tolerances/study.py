@@ -236,7 +236,7 @@ def scatter(
     axis
         The axis file; its ± count as scatter.
     vary
-        Distributions by the name of a number, as `distributions` has them: ``{"friction.mu_s":
+        Distributions by the name of a number, as `machines` has them: ``{"friction.mu_s":
         "normal 0.2 0.02"}``; they come before a ± of the file.
     spread_is
         What a ± means: "uniform" within it, or "normal" with two sigma.
