@@ -134,13 +134,6 @@ _PR_SET_PDEATHSIG: Final = 1
 _PR_SET_CHILD_SUBREAPER: Final = 36
 
 Task = Callable[..., Any]
-_PRELOADED = (
-    "stickslip_verification.drive.exact",
-    "stickslip_verification.drive.other_runs",
-    "stickslip_verification.drive.environments",
-    "stickslip_ref",
-)
-"""The modules with the tasks, which the server of the workers loads once."""
 
 
 class LostError(Exception):
@@ -330,7 +323,10 @@ def fast_context() -> BaseContext:
     if "forkserver" not in multiprocessing.get_all_start_methods():
         return multiprocessing.get_context("spawn")
     context = multiprocessing.get_context("forkserver")
-    context.set_forkserver_preload([*_PRELOADED])
+    # The modules with the tasks.
+    rooms = ("exact", "other_runs", "environments")
+    preloaded = [f"stickslip_verification.drive.{room}" for room in rooms]
+    context.set_forkserver_preload([*preloaded, "stickslip_ref"])
     usual = tempfile.gettempdir()
     before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
     try:

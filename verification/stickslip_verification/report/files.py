@@ -32,13 +32,11 @@ KINDS: Final[dict[str, str]] = {
 
 SIDES: Final = {"fmu": "FMU", "reference": "reference", "both": "both"}
 
-MEASURES: Final[dict[str, str]] = {Measure.RELATIVE: "of value", Measure.OF_SCALE: "of scale"}
-"""What an error is a part of; an absolute one has the unit of its quantity."""
-
 
 def measure(result: CheckResult) -> str:
     """Say what the error of a result is a part of, or in which unit it is."""
-    return MEASURES.get(result.measure, result.unit if result.unit != "1" else "")
+    parts = {Measure.RELATIVE: "of value", Measure.OF_SCALE: "of scale"}
+    return parts.get(result.measure, result.unit if result.unit != "1" else "")
 
 
 def story(result: CheckResult) -> str:
