@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import platform
+import shlex
 import sys
 from collections.abc import Mapping
 from hashlib import sha256
@@ -61,11 +62,13 @@ def digest_of(identity: Mapping[str, Any]) -> str:
 
 def provenance(identity: Mapping[str, Any]) -> dict[str, str]:
     """Return where a result comes from, as attributes of its file; some are JSON."""
+    program = Path(sys.argv[0])
+    name = program.parent.name if program.stem == "__main__" else program.name
     return {
         "versions": json.dumps(versions()),
         "inputs": json.dumps(identity, sort_keys=True),
         "inputs_digest": digest_of(identity),
-        "command": " ".join([Path(sys.argv[0]).name, *sys.argv[1:]]),
+        "command": shlex.join([name, *sys.argv[1:]]),
     }
 
 
