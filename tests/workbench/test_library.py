@@ -146,9 +146,8 @@ def test_the_script_of_the_readme_does_what_its_commands_do(tmp_path: Path) -> N
 
 
 def test_a_dash_is_standard_input_and_standard_output(tmp_path: Path) -> None:
-    text = WRITTEN
     words = ("-m", "stickslip", "design", "-", "-o", "axis.html", "--json", "-")
-    done = python(*words, cwd=tmp_path, input=text)
+    done = python(*words, cwd=tmp_path, input=WRITTEN)
     assert json.loads(done.stdout.partition("\n}\n")[0] + "}")["format"] == 2
     assert (tmp_path / "axis.html").is_file()
 
@@ -157,6 +156,11 @@ def test_importing_the_library_imports_nothing_heavy() -> None:
     heavy = ("numpy", "scipy", "matplotlib", "fmpy", "rich", "typer", "xarray")
     code = f"import sys, stickslip; print([name for name in {heavy!r} if name in sys.modules])"
     assert python("-c", code).stdout == "[]\n"
+
+
+@pytest.mark.parametrize("modules", ["stickslip, xarray", "xarray, stickslip"])
+def test_a_dataset_has_its_plot_in_either_order_of_imports(modules: str) -> None:
+    assert "Accessor" in python("-c", f"import {modules}; print(xarray.Dataset.stickslip)").stdout
 
 
 def test_every_public_name_documents_itself() -> None:
