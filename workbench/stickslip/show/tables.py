@@ -16,16 +16,16 @@ from rich.segment import Segment
 from rich.table import Table
 from rich.text import Text
 
-import stickslip_ref
 from stickslip_design.shown import scale_for
-from stickslip_ref import CriticalVelocity, Interval, Regime
 
 if TYPE_CHECKING:
     import xarray
 
+    import stickslip_ref
     from stickslip.runs import Run
     from stickslip_design.report.tables import Grid
     from stickslip_design.verdict import Verdict
+    from stickslip_ref import CriticalVelocity, Interval, Regime
     from stickslip_score import Compared, Score
 
 _UNBOUND: Final = 10_000
@@ -164,6 +164,8 @@ def cycle_rows(run: Run, p: stickslip_ref.Parameters | None) -> Iterator[Row]:
 
     Without parameters, under a friction law without such formulas, both columns are empty.
     """
+    import stickslip_ref
+
     exact = designers = None
     if p is not None:
         exact, designers = stickslip_ref.steady_cycle(p), stickslip_ref.simplified(p)
@@ -255,6 +257,8 @@ def _title(run: Run) -> str:
 
 def _no_cycle(run: Run, p: stickslip_ref.Parameters) -> Iterator[str]:
     """Say why a column of the table is empty."""
+    import stickslip_ref
+
     exact = stickslip_ref.steady_cycle(p)
     if not exact.exists:
         yield f"No steady stick-slip cycle exists: {_why_none(p)}."
@@ -269,6 +273,8 @@ def _no_cycle(run: Run, p: stickslip_ref.Parameters) -> Iterator[str]:
 
 
 def _why_none(p: stickslip_ref.Parameters) -> str:
+    import stickslip_ref
+
     if p.v == 0.0:
         return "the pulled end does not move (v = 0)"
     if p.zeta >= 1.0:
