@@ -24,7 +24,7 @@ from PIL import Image
 
 from stickslip_fmu.release import VERSION
 from stickslip_verification.report.files import environment, text_of
-from stickslip_verification.report.svg import STYLE
+from stickslip_verification.report.svg import INK, ORANGE, STYLE
 
 from ..points.columns import Regime
 from ..shown import Scale, number
@@ -41,9 +41,7 @@ SWINGS: Final = "#b9c0c8"
 UNKNOWN: Final = "#ffffff"
 """Colours of what has no jump: told apart in grey too."""
 
-_LIMIT: Final = "#d55e00"
 _VALID: Final = "#ffffff"
-_INK: Final = "#2b2f36"
 _SIZE: Final = (7.2, 5.2)
 _DOTS: Final = 150
 
@@ -100,7 +98,7 @@ def _draw(axes: Axes, view: View, part: xarray.Dataset) -> None:
     axes.set_facecolor(EVEN)
     legend: list[Any] = []
     if np.any(regime == Regime.EVEN):
-        legend.append(Patch(facecolor=EVEN, edgecolor=_INK, linewidth=0.5, label="moves evenly"))
+        legend.append(Patch(facecolor=EVEN, edgecolor=INK, linewidth=0.5, label="moves evenly"))
     swings = regime == Regime.SWINGS
     if swings.any():
         only = ListedColormap([SWINGS])
@@ -110,11 +108,11 @@ def _draw(axes: Axes, view: View, part: xarray.Dataset) -> None:
             inside = swings.astype(float)
             axes.contourf(x, y, inside, levels=[0.5, 1.5], colors="none", hatches=["////"])
         legend.append(
-            Patch(facecolor=SWINGS, hatch="////", edgecolor=_INK, linewidth=0.5, label="swings")
+            Patch(facecolor=SWINGS, hatch="////", edgecolor=INK, linewidth=0.5, label="swings")
         )
     border = view.border(part)
-    if border is not None and _lines(axes, view, border, 0.0, color=_LIMIT, linewidth=2.0):
-        legend.append(Line2D([], [], color=_LIMIT, linewidth=2.0, label="stick-slip ends"))
+    if border is not None and _lines(axes, view, border, 0.0, color=ORANGE, linewidth=2.0):
+        legend.append(Line2D([], [], color=ORANGE, linewidth=2.0, label="stick-slip ends"))
     error = view.error(part)
     if error is not None:
         if min(error.shape) > 1:
@@ -136,7 +134,7 @@ def _draw(axes: Axes, view: View, part: xarray.Dataset) -> None:
             marker="o",
             markersize=9,
             color="white",
-            markeredgecolor=_LIMIT,
+            markeredgecolor=ORANGE,
             markeredgewidth=2.5,
             linestyle="none",
             label=words,
