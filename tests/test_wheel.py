@@ -104,17 +104,13 @@ def installed(wheel: Path) -> Environment:
     return Environment(folder / "venv", folder)
 
 
-def asked_for(of: Distribution) -> set[str]:
+def asked_for(of: Distribution, extra: str = "") -> set[str]:
     """Return the names of all that a distribution needs, and that those need."""
     found: set[str] = set()
-    waiting = [(of, "")]
-    while waiting:
-        needing, extra = waiting.pop()
-        for need in map(Requirement, needing.requires or ()):
-            wanted = need.marker is None or need.marker.evaluate({"extra": extra})
-            if wanted and need.name not in found:
-                found.add(need.name)
-                waiting += [(distribution(need.name), each) for each in ("", *need.extras)]
+    for need in map(Requirement, of.requires or ()):
+        if need.marker is None or need.marker.evaluate({"extra": extra}):
+            for each in ("", *need.extras):
+                found |= {need.name} | asked_for(distribution(need.name), each)
     return found
 
 

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from examples.feed_axis.whole_loop import solve
+from stickslip_design.critical import estimated_critical_feed
 from stickslip_design.loop.jumps import limit_of_jumps
 from stickslip_design.loop.stability import swing
 
@@ -81,6 +82,12 @@ def test_without_control_the_slideway_damps_alone() -> None:
     assert mode.w == pytest.approx(w, rel=1e-3)
     share = axis.m_d / (axis.m + axis.m_d)
     assert mode.damping == pytest.approx(0.5 * axis.c * share / (axis.m * w), rel=5e-3)
+
+
+def test_the_quick_estimate_of_the_limit_is_as_far_off_as_was_found() -> None:
+    for changes, by in (({}, 1.02), ({"K_v": 50.0}, 0.94), ({"k": 1e8}, 1.20)):
+        axis = Axis(**changes).designed
+        assert estimated_critical_feed(axis) == pytest.approx(by * limit_of_jumps(axis).feed, 0.01)
 
 
 def test_gravity_is_one_number_of_table_design_tool_and_whole_loop() -> None:
