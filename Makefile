@@ -4,7 +4,7 @@ PYTHON ?= python3
 VENV ?= .venv
 BIN := $(VENV)/bin
 
-.PHONY: verify native native-platforms dist faults test test-bare soak coverage lint bench docs docs-check check-generated check-suite clean
+.PHONY: verify native native-platforms dist try-wheel faults test test-bare soak coverage lint bench site check-notebooks docs docs-check check-generated check-suite clean
 
 # Both FMUs: StickSlip.fmu under Coulomb's friction law, StickSlipStribeck.fmu under friction that
 # depends on the speed.
@@ -36,7 +36,16 @@ dist: $(VENV)/ready-with-compiler
 	for law in coulomb stribeck; do for options in '' '--fmi 3' '--native' '--native --fmi 3'; do \
 	    $(BIN)/stickslip build --bare -o dist --law $$law $$options || exit; done; done
 	for fmu in dist/*.fmu; do $(BIN)/stickslip verify --fmu $$fmu --pack || exit; done
+	$(MAKE) try-wheel
 	cd dist && sha256sum *.fmu *.whl > SHA256SUMS
+
+# The wheel in an environment of its own, with the first commands of docs/start/simulator.md.
+TRIED := build/wheel
+try-wheel:
+	rm -rf $(TRIED)
+	$(PYTHON) -m venv $(TRIED)
+	$(TRIED)/bin/python -m pip install --quiet --disable-pip-version-check --constraint constraints.txt dist/*.whl
+	cd $(TRIED) && PATH=$$PWD/bin:$$PATH sh -ec "$$(sed -n '/^```bash/,/^```$$/{/^```/d;p}' $(CURDIR)/docs/start/simulator.md)"
 
 # The suite on trial as well: every planted fault must fail a check named in advance.
 faults: $(VENV)/ready
@@ -86,6 +95,14 @@ lint: $(VENV)/ready-to-test
 bench: $(VENV)/ready-to-test
 	$(BIN)/python -m benchmarks.bench
 
+# The site from docs/, in build/site: it opens from a folder, and asks for nothing on a network.
+site: $(VENV)/ready-for-site
+	$(BIN)/sphinx-build -W --keep-going -q -d build/doctrees docs build/site
+
+# The notebooks of the site print what they hold.
+check-notebooks: $(VENV)/ready-for-site
+	$(BIN)/python -m pytest --nbval --nbval-current-env docs/tutorials docs/gallery.ipynb
+
 # Files under docs/ that are made from the code.
 docs: $(VENV)/ready
 	$(BIN)/stickslip simulate --stop-time 2 --plot docs/stick-slip.png
@@ -119,6 +136,10 @@ $(VENV)/ready: $(VENV)/bin/python pyproject.toml constraints.txt
 
 $(VENV)/ready-to-test: $(VENV)/ready
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --constraint constraints.txt --editable '.[dev,importers,page,cluster]'
+	touch $@
+
+$(VENV)/ready-for-site: $(VENV)/ready
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --constraint constraints.txt --editable '.[site]'
 	touch $@
 
 $(VENV)/ready-with-compiler: $(VENV)/ready-to-test

@@ -120,8 +120,14 @@ name, unit, range, and when each may be set. It is made from the variable table 
 - Positions, velocities and forces are positive along the way, in the direction of a positive `v`.
   `F_friction` is the force on the mass: negative in a forward slip, `-(F + F_ext)` in stick.
 - A fixed parameter is set before the start.
-- A tunable parameter or an input is set at any time and acts from the next step on.
-- An input holds its value over a step.
+- A tunable parameter or an input is set at any time, acts from the start of the next step on, and
+  holds over it. Outputs show the state at the end of the last step.
+- A step may be 1e-13 s or hold many cycles. One with more than 2^24 transitions is refused.
+- Bad input (k ≤ 0, NaN, a load that lifts the mass, a step ≤ 0) fails the call. The message has
+  name, value and range; it goes to the log, and from the Python FMU to standard error. After a
+  failure every call but reset and free fails; reset recovers.
+- The state can be got, set, serialized and restored in any phase, bit for bit.
+- Instances are independent: hundreds of them, threads, or two versions in one process.
 - The equations behind the variables are in [theory.md](theory.md).
 """.splitlines()
     yield from _variables(TABLE.rows)
