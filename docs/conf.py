@@ -27,12 +27,14 @@ myst_enable_extensions = ["colon_fence", "deflist", "dollarmath"]
 myst_heading_anchors = 4
 nb_execution_mode = "off"
 numpydoc_show_class_members = False
+highlight_language = "none"
 html_theme = "pydata_sphinx_theme"
 html_title = "stickslip"
 html_static_path = ["site.css"]
 html_css_files = ["site.css"]
 html_extra_path = ["made/page"]
 html_show_sourcelink = False
+html_sidebars = {name: [] for name in ("index", "gallery", "theory")}
 html_math_renderer = "mathml"
 html_theme_options = {
     "footer_end": [],
