@@ -1,4 +1,4 @@
-"""Wrong calls of a master on the Python FMU of FMI 2.0, by the words of docs/importing.md."""
+"""Wrong calls of a master on the Python FMU of FMI 2.0."""
 
 import ctypes as c
 import json
