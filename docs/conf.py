@@ -63,7 +63,7 @@ def displayed(site: HTML5Translator, node: nodes.math_block) -> None:
     if number:
         name = f"eq-{number[1]}"
         mark = f'<a class="eqno" id="{name}" href="#{name}">({number[1]})</a>'
-    site.body.append(f'<div class="math">{formula}{mark}</div>\n')
+    site.body.append(f'<div class="math" tabindex="0">{formula}{mark}</div>\n')
     raise nodes.SkipNode
 
 
