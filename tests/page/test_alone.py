@@ -5,11 +5,14 @@ from __future__ import annotations
 import json
 import re
 import shutil
+from base64 import b64decode
+from io import BytesIO
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 from urllib.parse import urlsplit
 
 import pytest
+from matplotlib.image import imread
 
 from benchmarks.page import OPENING
 from tests.page.browser import launched
@@ -81,6 +84,11 @@ def test_it_is_small_and_names_no_address(page_file: Path) -> None:
     # The names of XML's own vocabularies.
     assert found <= {"http://www.w3.org/2000/svg", "http://www.w3.org/1998/Math/MathML"}
     markup, _, _ = text.partition("<script>")
+    # What shows a link with title and picture takes them from here.
+    seen = dict(re.findall(r'<meta property="og:(\w+)" content="([^"]*)">', markup))
+    assert seen["title"] in text.partition("</title>")[0]
+    encoded = seen["image"].removeprefix("data:image/png;base64,")
+    assert imread(BytesIO(b64decode(encoded, validate=True))).shape[:2] == (315, 600)
     assert not re.findall(r"\b(?:src|srcset|href|action|poster)=(?![\"']?#)", markup)
     assert not re.findall(r"@import|url\((?!#)", text)
 

@@ -108,6 +108,29 @@ def test_the_command_repeats_the_setting_to_the_last_bit(window: Window) -> None
     assert typed in window.text("#command")
 
 
+_SHARED = """() => {
+  navigator.canShare = () => true;
+  navigator.share = async ({ files: [{ name, type, size }], url }) => {
+    window.shared = [url, name, type, size > 9000];
+  };
+}"""
+
+
+def test_the_link_to_a_setting_is_passed_on_with_a_picture_or_copied(window: Window) -> None:
+    window.preset("violin-bow")
+    window.press("k", "ArrowRight")
+    setting = window.setting
+    window.page.click("#share")
+    window.until("document.querySelector('#share').textContent === 'Link copied'")
+    link = window.js("navigator.clipboard.readText()")
+    window.js(_SHARED)
+    window.page.click("#share")
+    window.until("window.shared !== undefined")
+    assert window.js("shared") == [link, "stick-slip.png", "image/png", True]
+    window.open(link.partition("#")[2])
+    assert window.setting == setting
+
+
 def test_the_command_is_copied_or_selected_where_there_is_no_clipboard(window: Window) -> None:
     window.page.click("#copy")
     window.until("document.querySelector('#keep-said').textContent === 'Copied.'")

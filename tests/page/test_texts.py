@@ -5,7 +5,7 @@ from types import SimpleNamespace
 from typing import Any
 
 from stickslip.page.texts import filled
-from tests.page.settings import PRESETS, table
+from tests.page.settings import PRESETS, START, table
 from tests.page.window import Window
 
 NUMBERS_OF_THE_PAGE = """
@@ -41,12 +41,18 @@ def texts() -> Iterator[tuple[str, Known, str, Curve]]:
             yield row[name], known, f"[id='step={n}']", row.get("curve")
     for row in table("applications", "application"):
         own, entry = PRESETS[row["id"]], f"#application-{row['id']}"
-        for text in (row["about"], row["source"], row["noticed"], *row["stands"].values()):
+        for text in (row["about"], row["source"], *row["noticed"], *row["stands"].values()):
             yield text, {"now": own}, entry, None
         for cure in row.get("cures", ()):
             known = {"now": own | cure.get("set", {}), "over": own}
             yield cure["what"], known, entry, None
             yield cure.get("button", ""), known, entry, None
+    for row in table("said", "sentence"):
+        now = {**START, **row["set"]}
+        others = {"before": row.get("before", {}), **row.get("others", {})}
+        known = {"now": now} | {name: {**now, **values} for name, values in others.items()}
+        numbers = {"known": row["known"]} if "known" in row else {}
+        yield row["truth"], known | numbers, f"#said-{row['id']}", row.get("curve")
     for row in table("questions", "question"):
         yield row["answer"], {"now": complete(row)}, "#questions", None
 
@@ -64,12 +70,12 @@ def test_every_number_in_a_text_is_the_one_that_the_page_computes(window: Window
     # The reference fills the texts when the page is assembled, the page solves each setting.
     asked = [each for each in texts() if "{" in each[0]]
     assert len(asked) > 60
-    known = [[setting, curve] for _, each, _, curve in asked for setting in each.values()]
-    found = iter(window.js(NUMBERS_OF_THE_PAGE, known))
-    expected = [
-        [where, filled(text, {name: from_page(next(found)) for name in each})]
-        for text, each, where, _ in asked
-    ]
+    settings = [[p, curve] for _, each, _, curve in asked for n, p in each.items() if n != "known"]
+    found = iter(window.js(NUMBERS_OF_THE_PAGE, settings))
+    expected = []
+    for text, each, where, _ in asked:
+        numbers = {n: p if n == "known" else from_page(next(found)) for n, p in each.items()}
+        expected.append([where, filled(text, numbers)])
     missing = window.js(
         """texts => texts.filter(([where, text]) => {
           const own = document.createElement("p");

@@ -4,6 +4,7 @@ import json
 import posixpath
 import re
 import tomllib
+from base64 import b64encode
 from collections.abc import Callable, Mapping, Sequence
 from fractions import Fraction
 from functools import cache
@@ -55,8 +56,6 @@ def _imports(path: str, source: str) -> list[str]:
 
 
 _SETTING: Final = ("m", "g", "load", "k", "c", "mu_s", "mu_k", "v")
-# Where a text holds a number of the model: its name, and how it is shown.
-_FIGURE: Final = re.compile(r"\{(\w+:\w+)\}")
 _SOURCES: Final = files("stickslip.page")
 
 
@@ -86,12 +85,11 @@ def page(setting: Mapping[str, float] | None = None) -> str:
     from stickslip.page import texts
 
     environment = environment_of(_text)
-    environment.filters["figures"] = _figures
     start: dict[str, Any] = {name: TABLE.by_name[name].start for name in _SETTING}
     table = _table("applications/applications.toml")["application"]
     applications = texts.applications(table, start)
     story = texts.story(_table("story/story.toml")["step"], start, table)
-    sentences = _table("said/said.toml")["sentence"]
+    sentences = texts.sentences(_table("said/said.toml")["sentence"], start)
     curves = _table("friction/friction.toml")["curve"]
     data = {
         # What the markup already says, the script need not.
@@ -104,7 +102,7 @@ def page(setting: Mapping[str, float] | None = None) -> str:
         ],
         "steps": _only(story, "set", "over", "from", "curve"),
         "curves": _only(curves, "set", "points"),
-        "sentences": _without(sentences, "said", "sign", "verdict", "truth", "topic"),
+        "sentences": _only(sentences, "id", "set", "curve", "before", "from"),
         "setting": dict(setting or {}),
     }
     return environment.get_template("page.html.j2").render(
@@ -114,6 +112,8 @@ def page(setting: Mapping[str, float] | None = None) -> str:
         story=story,
         questions=texts.questions(_table("questions/questions.toml")["question"], start, table),
         sentences=sentences,
+        # The stage at the start values, of 600 x 315 px.
+        card=b64encode((_SOURCES / "card.png").read_bytes()).decode(),
         curves=curves,
         # As JSON that can stand inside a script element.
         data=json.dumps(data, ensure_ascii=False, separators=(",", ":")).replace("</", "<\\/"),
@@ -205,8 +205,3 @@ def _table(name: str) -> dict[str, Any]:
 
 def _text(name: str) -> str:
     return (_SOURCES / name).read_text(encoding="utf-8")
-
-
-def _figures(text: str) -> str:
-    """Give each ``{name:kind}`` of a text an element that the script writes the number into."""
-    return _FIGURE.sub(r'<data data-of="\1"></data>', text)

@@ -1,6 +1,6 @@
 /** The page put together: a setting is solved at once and drawn at the next frame. */
 
-import { makeAddress, valuesIn } from "./controls/address.js";
+import { hashOf, makeAddress, valuesIn } from "./controls/address.js";
 import { makeControls } from "./controls/controls.js";
 import { makeCures } from "./cures/cures.js";
 import { byId, data, on, setText } from "./view/dom.js";
@@ -9,7 +9,7 @@ import { makeMaps } from "./maps/maps.js";
 import { makePlayer } from "./stage/player.js";
 import { listen } from "./stage/pointer.js";
 import { makePortrait } from "./stage/portrait.js";
-import { makeApplications } from "./applications/applications.js";
+import { likest, makeApplications } from "./applications/applications.js";
 import { makeFriction } from "./friction/friction.js";
 import { makeReadouts } from "./stage/readouts.js";
 import { makeResults } from "./results/results.js";
@@ -17,7 +17,6 @@ import { makeReader } from "./view/spelled.js";
 import { makeSaid } from "./said/said.js";
 import { makeSound } from "./sound/sound.js";
 import { makeSchematic } from "./stage/schematic.js";
-import { claimed } from "./model/claims.js";
 import { curveFlaw } from "./model/curve.js";
 import { regimesOf } from "./model/regimes.js";
 import { harmonicsOfMotion } from "./model/harmonics.js";
@@ -89,13 +88,14 @@ function setAll(values, next = curve) {
 /** What brings the setting back, for the address. */
 const asked = () =>
   curve ? { ...controls.wanted, curve: curve.flat().slice(1) } : controls.wanted;
+const place = () => story.address() ?? asked();
 
 /** @type {Page} */
 const page = {
   set(values, { ghost: keep = false, from = /** @type {Look["from"]} */ ("cycles"), curve, still } = {}) {
     // An address may ask for a step of the story before anything is solved.
     const before = solution?.motion ?? null;
-    const left = before && (story.address() ?? asked());
+    const left = before && place();
     setAll(values, curve);
     if (still) return;
     // A link to a step of the story has its own place in the history.
@@ -107,6 +107,7 @@ const page = {
   setting: () => controls.setting,
   curve: () => curve,
   solution: () => solution,
+  link: () => `${location.href.split("#")[0]}${hashOf(place())}`,
 };
 /** What a section sees that is about constant friction. @type {Page} */
 const constantPage = { ...page, solution: () => solution.constant };
@@ -138,8 +139,10 @@ function redraw() {
   showResults(solution);
   portrait.show(motion, ghost);
   byId("forget").hidden = !ghost;
+  const id = likest(data.applications, motion.p);
+  schematic.dress(id, byId(`application-${id}`).querySelector(".drawn").textContent);
   redrawTime();
-  address.write(story.address() ?? asked());
+  address.write(place());
   for (const show of sections) show(solution);
 }
 
@@ -173,7 +176,7 @@ function takeAddress(event) {
   linked = false;
   if (taken) return;
   // A jump to a place in the page asks for nothing, and must not cost the setting.
-  if (byId(location.hash.slice(1))) return address.write(story.address() ?? asked());
+  if (byId(location.hash.slice(1))) return address.write(place());
   const { values, bad, points } = valuesIn(location.hash);
   const problems = bad.map((part) => `${part} is no number.`);
   for (const [name, value] of Object.entries(values)) {
@@ -200,9 +203,9 @@ cover();
 takeAddress();
 resize();
 
-// The drawings alone: what else changes its size is none of their business.
+// The drawings, and the stage, which grows by a line of its sentence.
 const resizes = new ResizeObserver(resize);
-for (const svg of document.querySelectorAll("svg")) resizes.observe(svg);
+for (const element of document.querySelectorAll("svg, #stage")) resizes.observe(element);
 on(window, "hashchange", takeAddress);
 for (const chart of charts.charts) {
   listen(chart, seen, { read: player.point, changed: redrawTime });
@@ -213,7 +216,10 @@ const moves = {
   earlier: () => seen.move(-0.25),
   later: () => seen.move(0.25),
   "zoom-auto": seen.reset,
-  "from-start": seen.fromStart,
+  "from-start": () => {
+    seen.fromStart();
+    player.rewind();
+  },
 };
 for (const [id, move] of Object.entries(moves)) {
   on(byId(id), "click", () => {
@@ -253,7 +259,6 @@ window.stickslip = {
   },
   /** A text as a quantity of this SI unit, or what is wrong with it. */
   read: (text, unit) => reader.read(text, unit, unit),
-  said: (id, setting, points = null) => claimed(id, { ...controls.starts, ...setting }, points),
   harmonics: (count) => harmonicsOfMotion(solution.motion, count),
   record: sound.record,
   cures: (p) => curesOf(p),

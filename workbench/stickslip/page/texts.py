@@ -1,6 +1,6 @@
 """Texts with numbers: templates that are filled with what the reference computes for a setting.
 
-The rows of the story, the applications and the questions are made of them.
+The rows of the story, the sentences, the applications and the questions are made of them.
 """
 
 from __future__ import annotations
@@ -138,6 +138,9 @@ def filled(text: str, numbers: Mapping[str, object]) -> str:
 
 _ENVIRONMENT: Final = Environment(autoescape=False, undefined=StrictUndefined)
 _ENVIRONMENT.filters |= {kind: partial(quantity, kind=kind) for kind in SCALES}
+_ENVIRONMENT.filters["percent"] = lambda value: (
+    ("+" if value > 0.0 else "") + quantity(value, 3, kind="share")
+)
 
 
 Row: TypeAlias = Mapping[str, Any]
@@ -157,6 +160,19 @@ def story(rows: Sequence[Row], start: Setting, applications: Sequence[Row]) -> l
             known["over"] = settings[row["over"] - 1]
         steps.append({**_filled(row, known, row.get("curve")), "set": now})
     return steps
+
+
+def sentences(rows: Sequence[Row], start: Setting) -> list[Row]:
+    """Return what is often said, as said.toml explains it; `start` as for `story`."""
+    found: list[Row] = []
+    for row in rows:
+        now = {**start, **row["set"]}
+        # What the text says of the clamp it says of the values that are asked for.
+        now["mu_k"] = min(now["mu_k"], now["mu_s"])
+        others = {"before": row.get("before", {}), **row.get("others", {})}
+        known = {"now": now} | {name: {**now, **values} for name, values in others.items()}
+        found.append(_filled(row, known, row.get("curve")))
+    return found
 
 
 def applications(rows: Sequence[Row], start: Setting) -> list[Row]:
@@ -190,7 +206,10 @@ def _setting(row: Row, names: Setting) -> Setting:
 
 def _filled(row: Row, settings: Mapping[str, Setting], curve: Any = None) -> dict[str, Any]:
     """Fill the texts of a row, those in its lists and tables of texts too."""
-    numbers = {name: Numbers(setting, curve) for name, setting in settings.items()}
+    numbers: dict[str, object] = {
+        name: Numbers(setting, curve) for name, setting in settings.items()
+    }
+    numbers["known"] = row.get("known")
 
     def fill(value: Any) -> Any:
         if isinstance(value, str):

@@ -31,8 +31,8 @@ function pairs(list) {
   return list.length ? [[list[0], list[1]], ...pairs(list.slice(2))] : [];
 }
 
-/** The part of an address that asks for these values. */
-function hashOf(values) {
+/** @type {(values: Record<string, any>) => string} the part of an address that asks for these */
+export function hashOf(values) {
   const parts = Object.entries(values).map(([name, value]) => `${name}=${value}`);
   return `#${parts.join("&")}`;
 }

@@ -10,6 +10,8 @@ const GAP = 8;
 const TITLE = 40;
 /** Pixels of the PNG to one of the page. */
 const FINENESS = 2;
+/** How long a button says what it has done [ms]. */
+const CONFIRMED = 3000;
 
 /** @type {(p: Setting, curve: Curve | null) => string[]} the lines of a caption, SI */
 function settingInWords({ k, v, mu_s, mu_k, m, g, load, c }, curve) {
@@ -48,10 +50,7 @@ export function makeKeeping(page, stretch, starts, reader) {
     return "stick-slip.svg: charts and portrait.";
   });
   atClick("save-png", async () => {
-    const { text, width, height } = picture();
-    const background = getComputedStyle(document.body).backgroundColor;
-    const png = await pngOf(text, width, height, FINENESS, background);
-    save("stick-slip.png", png, png.type);
+    save("stick-slip.png", await png(), "image/png");
     return "stick-slip.png: charts and portrait.";
   });
   atClick("copy", async () => {
@@ -62,6 +61,25 @@ export function makeKeeping(page, stretch, starts, reader) {
       getSelection().selectAllChildren(command);
       return "Selected: copy it with the keyboard.";
     }
+  });
+
+  const share = byId("share");
+  const name = share.textContent;
+  on(share, "click", async () => {
+    const url = page.link();
+    const text = { title: document.title, text: byId("lead").textContent, url };
+    try {
+      const file = new File([await png()], "stick-slip.png", { type: "image/png" });
+      const shared = [{ ...text, files: [file] }, text].find((each) => navigator.canShare?.(each));
+      if (shared) return await navigator.share(shared);
+      await navigator.clipboard.writeText(url);
+      setText(share, "Link copied");
+    } catch (error) {
+      // The menu was closed.
+      if (error.name === "AbortError") return;
+      setText(share, "Copy the address");
+    }
+    setTimeout(() => setText(share, name), CONFIRMED);
   });
 
   /** The charts one above the other as one document. */
@@ -77,6 +95,12 @@ export function makeKeeping(page, stretch, starts, reader) {
     const style = resolvedStyle(byId("chart-style").textContent, document.body);
     const { p, curve } = page.solution().motion;
     return { text: svgText(parts, style, settingInWords(p, curve)), width, height: y - GAP };
+  }
+
+  function png() {
+    const { text, width, height } = picture();
+    const background = getComputedStyle(document.body).backgroundColor;
+    return pngOf(text, width, height, FINENESS, background);
   }
 
   return {

@@ -1,9 +1,7 @@
-/** Sentences that are often said: one click sets the stage, and the numbers say how it is. */
+/** Sentences that are often said: one click sets the stage. */
 
-import { claimed } from "../model/claims.js";
 import { kineticInUse } from "../model/friction.js";
-import { on, put, setText } from "../view/dom.js";
-import { digits, quantity, withoutNoughts } from "../view/units.js";
+import { on, put } from "../view/dom.js";
 
 /**
  * Returns what shows which sentence has set the stage.
@@ -19,7 +17,6 @@ export function makeSaid(page, sentences, starts) {
       if (before) page.set({ ...values, ...before }, { curve });
       page.set(values, { ghost: !!before, from: from ?? "cycles", curve });
     });
-    fillIn(id, claimed(id, values, curve));
     return { id, button, curve, values: { ...values, mu_k: kineticInUse(values.mu_s, values.mu_k) } };
   });
   return ({ motion }) => {
@@ -30,20 +27,4 @@ export function makeSaid(page, sentences, starts) {
       put(button, { "aria-pressed": current });
     }
   };
-}
-
-/** Write the numbers of a sentence into its text. */
-function fillIn(id, numbers) {
-  for (const element of document.querySelectorAll(`#said-${id} data`)) {
-    const [name, kind] = /** @type {HTMLElement} */ (element).dataset.of.split(":");
-    put(element, { value: numbers[name] });
-    setText(element, figure(numbers[name], kind));
-  }
-}
-
-/** A number as the sentences show it. */
-function figure(value, kind) {
-  const percent = () => `${value < 0 ? "" : "+"}${digits(100 * value, 3)}\u00a0%`;
-  const own = { percent, times: () => digits(value, 3) }[kind];
-  return withoutNoughts(own ? own() : quantity(value, kind));
 }

@@ -40,12 +40,16 @@ export function makeBlock(svg) {
   const streaks = draw(group, "path", { class: "streaks" });
   const lifted = draw(group, "g");
   const teethBelow = draw(lifted, "path", { class: "body" });
-  const body = draw(lifted, "rect", { class: "body", rx: 4 });
+  const rect = draw(lifted, "rect", { class: "body" });
+  draw(lifted, "use", { "data-part": "mass" });
   const word = draw(lifted, "text");
   const pointer = draw(group, "path", { class: "pointer" });
-  return ({ ground, block, tall }, { cycle, p }) => {
-    put(body, { x: 0, y: -tall, width: px(block), height: px(tall) });
-    put(word, { x: px(0.5 * block), y: px(5 - 0.5 * tall) });
+  return ({ ground, block, body, round }, { cycle, p }) => {
+    const size = { width: px(block), height: px(body), rx: px(round * body) };
+    put(rect, { x: 0, y: px(-body), ...size });
+    put(word, { x: px(0.5 * block), y: px(5 - 0.5 * body) });
+    // A round body has teeth in its middle alone.
+    const inset = TOOTH.wide * Math.floor((0.6 * round * block) / TOOTH.wide);
     put(pointer, { d: `M${px(0.5 * block - 4)} 9h8l-4 6z` });
     const fastest = cycle.exists ? cycle.x_dot_peak : 2 * p.v;
     let shown = null;
@@ -53,9 +57,10 @@ export function makeBlock(svg) {
       put(group, { transform: `translate(${px(left)} ${px(ground)})` });
       // In stick the teeth stand in those of the ground, wherever the block stopped.
       const phase = mode === 0 ? (Math.ceil(left / TOOTH.wide) * TOOTH.wide - left) : 0;
-      put(teethBelow, { d: `${teeth(phase, block, 0)}Z` });
+      const from = phase + inset;
+      put(teethBelow, { d: `${teeth(from, block - inset, 0)}v${px(-0.1 * body)}H${px(from)}Z` });
       const long = STREAK * Math.min(Math.max(x_dot, 0) / fastest, 1);
-      const lines = [0.25, 0.5, 0.75].map((h) => `M-5 ${px(-h * tall)}h${px(-long)}`);
+      const lines = [0.25, 0.5, 0.75].map((h) => `M-5 ${px(-h * body)}h${px(-long)}`);
       put(streaks, { d: mode === 0 ? "" : lines.join("") });
       if (mode === shown) return;
       shown = mode;
@@ -75,7 +80,7 @@ export function makePlaces(svg) {
   const outlines = draw(svg, "path", { class: "places" });
   const length = draw(svg, "path", { class: "length" });
   const words = draw(svg, "text");
-  return ({ left, block, tall, ground, scale }, { cycle }) => {
+  return ({ left, block, body, tall, ground, scale }, { cycle }) => {
     const jump = cycle.exists ? cycle.delta_x : Infinity;
     const apart = jump * scale;
     const text = quantity(jump, "length");
@@ -89,7 +94,7 @@ export function makePlaces(svg) {
       const at = (/** @type {number} */ n) => (n * jump - start) * scale;
       if (apart >= OUTLINES_APART * block && apart < Infinity) {
         for (let n = first; n <= last; n++) {
-          d += `M${px(left + at(n))} ${ground}v${px(-tall)}h${px(block)}v${px(tall)}`;
+          d += `M${px(left + at(n))} ${ground}v${px(-body)}h${px(block)}v${px(body)}`;
         }
       }
       put(outlines, { d });

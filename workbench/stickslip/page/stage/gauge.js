@@ -24,7 +24,7 @@ export function makeGauge(svg) {
   const name = draw(group, "text", { class: "force" });
   const words = draw(group, "text", { class: "threshold" });
   setText(name, "F");
-  return ({ base, high, scale, shortest, ground, tall, level, width }, { numbers, z_s }) => {
+  return ({ base, most, scale, shortest, ground, tall, level, width }, { numbers, z_s }) => {
     const y = ground - tall - ABOVE - THICK;
     const at = (/** @type {number} */ z) => shortest + (z - base) * scale;
     const force = `Fₛ = ${quantity(numbers.F_s, "force")}`;
@@ -34,7 +34,7 @@ export function makeGauge(svg) {
     const cut = `M2 ${THICK + 3}l4 ${-THICK - 6}m3 0l-4 ${THICK + 6}`;
     const zero = base <= 0 ? `M${px(at(0))} -3v${THICK + 6}` : cut;
     const from = Math.min(at(0), at(base)) > 0 ? at(base) : 0;
-    put(track, { d: `${zero}M${px(from)} ${0.5 * THICK}H${px(at(high))}` });
+    put(track, { d: `${zero}M${px(from)} ${0.5 * THICK}H${px(at(most))}` });
     put(limit, { d: `M${px(at(z_s))} -5v${THICK + 10}` });
     return (z, right) => {
       const end = Math.max(at(z), 0);

@@ -15,7 +15,7 @@ const LONGEST_BREAK = 0.1;
  * @param {(t: number) => void} show called with the time of the cursor [s]
  * @param {(t: number) => string} tell the cursor's numbers in words, for who cannot see them
  * @returns refresh(): after another stretch or setting; point(t): follow the pointer, or
- *   null: let go; play()
+ *   null: let go; play(); rewind()
  */
 export function makePlayer(stretch, show, tell) {
   const button = byId("play");
@@ -80,5 +80,9 @@ export function makePlayer(stretch, show, tell) {
       refresh();
     },
     play: () => setPlaying(true),
+    rewind() {
+      share = 0;
+      refresh();
+    },
   };
 }

@@ -1,4 +1,4 @@
-/** The model as a moving picture: a block on the ground, drawn along through a spring. */
+/** The model as a moving picture: a mass on the ground, drawn along through a spring. */
 
 import { draw, put, setText } from "../view/dom.js";
 import { px } from "../view/frame.js";
@@ -6,12 +6,13 @@ import { scaleFor } from "../view/units.js";
 import { makeBlock, makeGround, makePlaces } from "./contact.js";
 import { makeGauge } from "./gauge.js";
 import { makeRuler } from "./ruler.js";
+import { makeScene } from "./scene.js";
 
 /** Pixels: left of the block, for the grip with its arrow, below the ground. */
 const ROOM = { left: 22, pull: 74, below: 34 };
 
-/** A jump is seen as one where it is this long, in widths of the block. */
-const SEEN = 1.15;
+/** A jump is seen as one where it is this long, in heights of the drawing. */
+const SEEN = 1.5;
 /** How near to the end of a window a mass stands at it, in windows. */
 const ROUNDING = 1e-6;
 
@@ -22,8 +23,9 @@ const ROUNDING = 1e-6;
  * either way. All is drawn once; a setting or a state only moves it.
  *
  * @param {SVGSVGElement} svg
- * @returns arrange(motion, seen, width, height): draw a motion over a stretch of time in this size
- *   [px]; show(state): put everything where a state of motion.at has it
+ * @returns dress(id, words): take the drawing of an application, described in words; arrange(motion,
+ *   seen, width, height): draw a motion over a stretch of time in this size [px]; show(state): put
+ *   everything where a state of motion.at has it
  */
 export function makeSchematic(svg) {
   const layPlaces = makePlaces(svg);
@@ -33,13 +35,14 @@ export function makeSchematic(svg) {
   const stretchSpring = makeSpring(svg);
   const pull = makePull(svg);
   const layBlock = makeBlock(svg);
+  const scene = makeScene(svg);
   /** @type {(state: State) => void} */
   let show = () => {};
 
   /** @type {(motion: Motion, seen: Stretch, width: number, height: number) => void} */
   function arrange(motion, seen, width, height) {
     put(svg, { viewBox: `0 0 ${width} ${height}` });
-    const layout = layoutOf(motion, seen, width, height);
+    const layout = layoutOf(motion, seen, width, height, scene.shape());
     const { left, block, scale, shortest, base, level, way } = layout;
     const origin = motion.at(seen.from).x;
     layGround(layout);
@@ -47,6 +50,7 @@ export function makeSchematic(svg) {
     const turnRuler = layRuler(layout, way);
     const fill = layGauge(layout, motion);
     const placeBlock = layBlock(layout, motion);
+    scene.lay(layout);
     pull.name(motion.p.v);
     let shown = null;
 
@@ -68,32 +72,33 @@ export function makeSchematic(svg) {
     };
   }
 
-  return { arrange, show: (/** @type {State} */ state) => show(state) };
+  return { dress: scene.dress, arrange, show: (/** @type {State} */ state) => show(state) };
 }
 
-/** @type {(motion: Motion, seen: Stretch, width: number, height: number) => Layout} */
-function layoutOf(motion, seen, width, height) {
-  const tall = Math.min(Math.max(Math.min(0.4 * height, width / 8), 30), 96);
-  const block = 1.3 * tall;
+/** @type {(motion: Motion, seen: Stretch, width: number, height: number, shape: Shape) => Layout} */
+function layoutOf(motion, seen, width, height, { wide, high, round }) {
+  const tall = Math.min(Math.max(Math.min(0.4 * height, width / 6 / wide), 30), 96);
+  const [block, body] = [wide * tall, high * tall];
   const shortest = Math.min(Math.max(width / 22, 30), 54);
   const free = Math.max(width - ROOM.left - block - shortest - ROOM.pull, 40);
   const ground = height - ROOM.below;
   let { way } = seen;
-  let { base, high, end } = reachOf(motion, seen, way);
+  let { base, most, end } = reachOf(motion, seen, way);
   // Where the picture is narrow it holds fewer jumps, so that each is seen as one.
   const stride = motion.cycle.exists ? motion.cycle.delta_x : way;
-  while (way > 2.5 * stride && (free * stride) / (way + end - base) < SEEN * block) {
+  while (way > 2.5 * stride && (free * stride) / (way + end - base) < SEEN * tall) {
     way -= stride;
-    ({ base, high, end } = reachOf(motion, seen, way));
+    ({ base, most, end } = reachOf(motion, seen, way));
   }
   const [level, scale] = [ground - 0.5 * tall, free / (way + end - base)];
-  return { width, ground, left: ROOM.left, block, tall, level, shortest, base, high, way, scale };
+  const { left } = ROOM;
+  return { width, ground, left, block, body, round, tall, level, shortest, base, most, way, scale };
 }
 
 /**
  * Extensions of the spring [m]: the least that is drawn, the most, and the one that has to find
  * room where the mass is at the end of a window, whose length is `way` [m].
- * @type {(motion: Motion, seen: Seen, way: number) => {base: number, high: number, end: number}}
+ * @type {(motion: Motion, seen: Seen, way: number) => {base: number, most: number, end: number}}
  */
 function reachOf({ numbers, cycle, slip, z_s, z_even, first }, seen, way) {
   // Under a friction curve a slip without end may grow for some swings.
@@ -104,14 +109,14 @@ function reachOf({ numbers, cycle, slip, z_s, z_even, first }, seen, way) {
   for (let i = 1; i <= count; i++) lengths.push(z_s + slip.at((duration * i) / count).growth);
   if (!cycle.exists) lengths.push(z_even);
   const low = Math.min(...lengths);
-  const high = Math.max(...lengths);
+  const most = Math.max(...lengths);
   // A spring that is always far from relaxed is drawn from somewhat below its least extension.
-  const fromZero = seen.from < first || low < 0.4 * high;
-  const base = fromZero ? Math.min(0, low) : low - 0.3 * (high - low);
+  const fromZero = seen.from < first || low < 0.4 * most;
+  const base = fromZero ? Math.min(0, low) : low - 0.3 * (most - low);
   const jumps = way / cycle.delta_x;
   const whole = Math.abs(jumps - Math.round(jumps)) < ROUNDING;
-  const end = whole ? Math.max(z_s - cycle.spring_drop, high - cycle.delta_x) : high;
-  return { base, high, end };
+  const end = whole ? Math.max(z_s - cycle.spring_drop, most - cycle.delta_x) : most;
+  return { base, most, end };
 }
 
 /** Returns what stretches the spring from a place to a length [px]. */
@@ -134,10 +139,11 @@ function makeSpring(svg) {
 /** Returns what names the speed of the pulled end [m/s], and what puts it at a place [px]. */
 function makePull(svg) {
   const group = draw(svg, "g", { class: "pull" });
+  draw(group, "use", { "data-part": "pull" });
   draw(group, "circle", { r: 5 });
   draw(group, "path", { d: "M5 0H48" });
   draw(group, "path", { class: "head", d: "M60 0l-14 -6v12z" });
-  const name = draw(group, "text", { x: 31, y: 19 });
+  const name = draw(group, "text", { x: 31, y: -10 });
   return {
     name(v) {
       const { size, unit } = scaleFor(v, "velocity");

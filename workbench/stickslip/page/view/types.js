@@ -14,6 +14,7 @@
  * @property {() => Setting} setting the values in use
  * @property {() => Curve | null} curve the friction curve in use, null for constant friction
  * @property {() => Solution} solution the setting solved
+ * @property {() => string} link an address of the page with the setting in use
  *
  * @typedef {object} Look how a new setting is looked at
  * @property {boolean} [ghost] the curves of the setting before stay as a ghost
@@ -45,16 +46,23 @@
  * @typedef {ReturnType<typeof import("../stage/timecharts.js").makeChart>} Chart
  * @typedef {ReturnType<typeof import("./spelled.js").makeReader>} Reader
  *
+ * @typedef {object} Shape of the body in a drawing, whose height is 1
+ * @property {number} wide
+ * @property {number} high
+ * @property {number} round radius of its corners, as a part of its height
+ *
  * @typedef {object} Layout what the parts of the schematic are placed by
  * @property {number} width of the picture [px]
  * @property {number} ground height of the ground [px]
  * @property {number} left of the block at the start of a window [px]
  * @property {number} block width of the block [px]
- * @property {number} tall its height [px]
+ * @property {number} body height of its body [px]
+ * @property {number} round radius of its corners, as a part of that height
+ * @property {number} tall height of its drawing [px]
  * @property {number} level height of the spring [px]
  * @property {number} shortest length of the spring at its least extension [px]
  * @property {number} base the least extension that is drawn [m]
- * @property {number} high the largest extension [m]
+ * @property {number} most the largest extension [m]
  * @property {number} way length of a window [m]
  * @property {number} scale [px/m]
  *
