@@ -57,7 +57,7 @@ def test_the_jump_at_half_a_millimetre_a_second_is_that_of_the_two_fmus(
 ) -> None:
     found = jump_at(axis, 5e-4)
     assert found is not None
-    # The table in docs/feed-axis.md, to its digits.
+    # Of runs of the two FMUs of docs/feed-axis.md, to their digits.
     assert found.way == pytest.approx(jump, abs=0.08e-6)
     assert found.period == pytest.approx(period, abs=0.2e-3)
 
@@ -107,7 +107,7 @@ def test_hunting_is_that_of_the_two_fmus_and_a_band_of_half_a_jump_ends_it(
 ) -> None:
     found = hunting(axis)
     assert found is not None
-    # The table in docs/feed-axis.md, to its digits.
+    # Of runs of the two FMUs of docs/feed-axis.md, to their digits.
     assert found.jump == pytest.approx(jump, abs=0.06e-6)
     assert found.period == pytest.approx(period, rel=0.02)
     assert found.dead_band == pytest.approx(0.5 * jump, rel=0.03)
@@ -132,7 +132,7 @@ def test_a_start_from_rest_ends_evenly_below_the_limit() -> None:
 
 def test_at_the_limits_of_its_gains_the_swing_of_the_sliding_table_has_no_damping() -> None:
     limits = gain_limits(SERVO)
-    assert limits == pytest.approx((72.18, 716.3), rel=1e-3)  # docs/feed-axis.md, to its digits
+    assert limits == pytest.approx((72.18, 716.3), rel=1e-3)
     faster = driven(bandwidth=limits.bandwidth, T_n=4.0 / limits.bandwidth)
     for axis in (driven(K_v=limits.K_v), faster):
         assert swing(axis).damping == pytest.approx(0.0, abs=1e-6)  # of the search

@@ -95,7 +95,7 @@ def test_what_is_asked_is_answered_the_slowest_feed_first(servo: Verdict) -> Non
     slow, fast = servo.points
     assert (slow.feed, slow.jumps, slow.after_start) == (5e-4, True, True)
     assert (fast.feed, fast.jumps, fast.after_start) == (2e-3, False, False)
-    # As the two FMUs of docs/feed-axis.md have it, to the digits there.
+    # As runs of the two FMUs of docs/feed-axis.md have it, to their digits.
     assert slow.frequency == pytest.approx(27.1, abs=0.1)
     assert fast.margin == pytest.approx(2.0 / 1.5506, rel=1e-3)
     assert servo.from_rest == pytest.approx(0.99e-3, rel=0.02)
