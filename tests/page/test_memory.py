@@ -90,7 +90,7 @@ def test_the_browser_leads_back_over_links_and_presses(window: Window) -> None:
 def test_a_jump_within_the_page_is_no_setting(window: Window) -> None:
     window.type("k", "2345")
     address(window)
-    window.page.click("a[href='#theory-cycle']")
+    window.page.click("#results a[href='#theory-cycle']")
     window.until("scrollY > 0")
     assert window.text("#address-said") == ""
     assert "k=2345" in address(window)

@@ -171,13 +171,15 @@ function cover() {
 
 /** @param {HashChangeEvent} [event] what led here; none at the start */
 function takeAddress(event) {
+  // The address bar may have been written since.
+  const { hash } = event ? new URL(event.newURL) : location;
   linked = true;
-  const taken = story.take(location.hash, Boolean(event));
+  const taken = story.take(hash, Boolean(event));
   linked = false;
   if (taken) return;
   // A jump to a place in the page asks for nothing, and must not cost the setting.
-  if (byId(location.hash.slice(1))) return address.write(place());
-  const { values, bad, points } = valuesIn(location.hash);
+  if (byId(hash.slice(1))) return address.write(place());
+  const { values, bad, points } = valuesIn(hash);
   const problems = bad.map((part) => `${part} is no number.`);
   for (const [name, value] of Object.entries(values)) {
     const objection = controls.objectionTo(name, value);
