@@ -59,7 +59,7 @@ faults: $(VENV)/ready
 # CPU seconds of user and system, those of all child processes in the second line.
 TESTS ?= tests
 RUN ?=
-PYTEST := -m pytest --numprocesses logical --dist worksteal --durations 20
+PYTEST := -m pytest -p no:nbval -p no:zarr --numprocesses logical --dist worksteal --durations 20
 test: $(VENV)/ready-to-test
 	@$(BIN)/python tools/reaper.py sh -c '$(BIN)/python $(RUN) $(PYTEST) $(TESTS); code=$$?; \
 	    echo "CPU time, user and system:"; times; exit $$code'
