@@ -24,7 +24,7 @@ _SEEN = """() => {
     // Cells of a narrow window stand one below the other.
     if (!next || next.offsetLeft <= cell.offsetLeft) continue;
     const [right, left] = [within(cell).map(a => a.right), within(next).map(b => b.left)];
-    if (Math.min(...left) - Math.max(...right) < 4) touching.push(row.textContent.trim());
+    if (Math.min(...left) - Math.max(...right) < 6) touching.push(row.textContent.trim());
   }
   const wide = document.scrollingElement.clientWidth + 1;
   const out = seen("main *:not(svg *)").filter(each => each.getBoundingClientRect().right > wide);
@@ -75,6 +75,9 @@ def test_the_story_stands_beside_the_stage_and_its_sliders(window: Window) -> No
             _, top, _, height = window.box(part)
             assert 0.0 <= top < top + height <= 900.0, (step, part)
         window.page.evaluate("document.querySelector('#story-next').click()")
+    # Beside them, and not over what comes after.
+    window.page.evaluate("document.querySelector('#theory').scrollIntoView()")
+    assert all(sum(window.box(part)[1::2]) <= 0.0 for part in ("#stage", "#controls", "#charts"))
 
 
 def test_each_application_keeps_its_drawing_while_a_value_changes(window: Window) -> None:
