@@ -10,10 +10,9 @@ from tests.page.settings import START, parameters, table
 from tests.page.test_friction import ends_of, regimes
 from tests.page.window import Window
 
-WRITTEN = 1e-6
-"""Relative error of a number that is written down with seven digits or more."""
-
 SENTENCES = {each["id"]: each for each in table("said", "sentence")}
+# Numbers are written down with seven digits or more.
+WRITTEN = 1e-6
 
 
 def values_of(name: str) -> dict[str, float]:
