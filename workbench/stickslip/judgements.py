@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from rich.console import RenderableType
 
     import stickslip_verification as suite
-    from stickslip_design.axis import AxisFile
+    from stickslip_design.axis import AxisSource
     from stickslip_design.verdict import Verdict as AxisVerdict
     from stickslip_score import Curve
     from stickslip_score import Score as CurveScore
@@ -251,7 +251,7 @@ class Design(Shown):
         return Path(file)
 
 
-def design(axis: AxisFile | Path | str | Mapping[str, Any]) -> Design:
+def design(axis: AxisSource) -> Design:
     """Return whether a feed axis judders, and what is measured against it.
 
     Parameters
@@ -264,9 +264,7 @@ def design(axis: AxisFile | Path | str | Mapping[str, Any]) -> Design:
     AxisError
         If the axis cannot be read; one line with key, value and range.
     """
-    from stickslip_design.axis import AxisFile, axis_file_of, read_axis_file
+    from stickslip_design.axis import read_axis_file
     from stickslip_design.study import design as designed
 
-    if isinstance(axis, Mapping):
-        axis = axis_file_of(axis, "axis")
-    return Design(designed(axis if isinstance(axis, AxisFile) else read_axis_file(axis)))
+    return Design(designed(read_axis_file(axis)))

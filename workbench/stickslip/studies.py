@@ -16,7 +16,7 @@ from stickslip_design.tolerances.study import scatter as scatter
 if TYPE_CHECKING:
     import xarray
 
-    from stickslip_design.axis import AxisFile
+    from stickslip_design.axis import AxisSource
     from stickslip_design.maps.study import GridStudy
 
 
@@ -24,7 +24,7 @@ def map(  # noqa: A001 - the name of the command
     over: Mapping[str, str | Sequence[float]],
     p: Parameters | None = None,
     *,
-    axis: AxisFile | Path | str | None = None,
+    axis: AxisSource | None = None,
     feed: float | str | None = None,
     limit: bool | None = None,
     folder: Path | str | None = None,
@@ -42,7 +42,8 @@ def map(  # noqa: A001 - the name of the command
     p
         The block, but for what the map is over.
     axis, feed
-        The axis file in place of the block, and its feed [m/s] where the map is not over it.
+        The axis file, its path or a dictionary of its tables, in place of the block, and its feed
+        [m/s] where the map is not over it.
     limit
         Whether the critical velocity of the block is computed. None: where it has a closed form,
         or at most 1000 are searched, at 10 to 100 ms.

@@ -68,7 +68,8 @@ def provenance(identity: Mapping[str, Any]) -> dict[str, str]:
         "versions": json.dumps(versions()),
         "inputs": json.dumps(identity, sort_keys=True),
         "inputs_digest": digest_of(identity),
-        "command": shlex.join([name, *sys.argv[1:]]),
+        # The words behind another program, such as the kernel of a notebook, are not for people.
+        "command": shlex.join([name, *sys.argv[1:]]) if name == "stickslip" else name,
     }
 
 

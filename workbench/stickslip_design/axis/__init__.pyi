@@ -9,6 +9,7 @@ from .model import Friction as Friction
 from .model import low_pass as low_pass
 from .model import notch as notch
 from .read import AxisFile as AxisFile
+from .read import AxisSource as AxisSource
 from .read import axis_file_of as axis_file_of
 from .read import axis_of as axis_of
 from .read import example as example

@@ -104,9 +104,17 @@ def read_axis(path: Path | str) -> Axis:
     return read_axis_file(path).axis()
 
 
-def read_axis_file(path: Path | str) -> AxisFile:
-    """Read what an axis file states; raises AxisError as `read_axis`."""
-    path = Path(path)
+AxisSource = AxisFile | Path | str | Mapping[str, Any]
+"""An axis file: read, by its path, or as the dictionary of its tables."""
+
+
+def read_axis_file(axis: AxisSource) -> AxisFile:
+    """Read what a file, or a dictionary of its tables, states; raises AxisError as `read_axis`."""
+    if isinstance(axis, AxisFile):
+        return axis
+    if isinstance(axis, Mapping):
+        return axis_file_of(axis, "axis")
+    path = Path(axis)
     try:
         text = path.read_text(encoding="utf-8-sig")
     except OSError as error:

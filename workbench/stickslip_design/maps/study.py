@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any, Final, NamedTuple
 
 import numpy as np
 
-from ..axis import AxisFile, read_axis_file
+from ..axis import AxisSource, read_axis_file
 from ..chunks import Columns, Results
 from ..datasets import need, provenance, read_grid
 from ..points.columns import FEED
@@ -173,7 +173,7 @@ def study_of(
     *,
     values: Mapping[str, float],
     law: str = "coulomb",
-    axis: AxisFile | Path | str | None = None,
+    axis: AxisSource | None = None,
     limit: bool | None = None,
 ) -> GridStudy:
     """Return the study of a map; `over`, `axis` and `limit` as of `stickslip.map`.
@@ -185,7 +185,7 @@ def study_of(
         spans = dimensions(over, block_quantities(law))
         source = block_source(law, values, spans, limit)
     else:
-        file = axis if isinstance(axis, AxisFile) else read_axis_file(axis)
+        file = read_axis_file(axis)
         unknown = sorted(values.keys() - {FEED})
         if unknown:
             raise OverError(f"{unknown[0]}: the axis file states what is held, but for the feed")

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any, Final, Unpack
 import numpy as np
 from numpy.typing import NDArray
 
-from ..axis import AxisFile, read_axis_file
+from ..axis import AxisFile, AxisSource, read_axis_file
 from ..axis.keys import KEYS, UNITS
 from ..chunks import Columns, Computing, Results, Study, run
 from ..datasets import need, provenance
@@ -214,7 +214,7 @@ Computed = Callable[[Study, str], Results]
 
 
 def scatter(
-    axis: AxisFile | Path | str,
+    axis: AxisSource,
     *,
     vary: Mapping[str, str] | None = None,
     spread_is: SpreadIs = "uniform",
@@ -234,7 +234,7 @@ def scatter(
     Parameters
     ----------
     axis
-        The axis file; its ± count as scatter.
+        The axis file, its path or a dictionary of its tables; its ± count as scatter.
     vary
         Distributions by the name of a number, as `machines` has them: ``{"friction.mu_s":
         "normal 0.2 0.02"}``; they come before a ± of the file.
@@ -270,7 +270,7 @@ def scatter(
     AxisError, ValueError
         If the file, a distribution or another argument cannot be used; one line.
     """
-    file = axis if isinstance(axis, AxisFile) else read_axis_file(axis)
+    file = read_axis_file(axis)
     need("xarray")
     asked = question(
         file, vary=vary, spread_is=spread_is, correlation=correlation, feeds=feeds,
