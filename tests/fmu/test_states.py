@@ -55,7 +55,7 @@ LOST = {
 @pytest.mark.parametrize("what", TURNS)
 @pytest.mark.parametrize("kind", kinds())
 def test_what_is_done_for_ever_keeps_no_memory(kind: str, what: str, host: Host) -> None:
-    blocks, grown = host.call(lost, built(kind), what, 512)
+    blocks, grown = host.call(lost, built(kind), what, 1024)
     assert blocks < LOST.get((kind, what), 0) + 0.5
-    # The smallest allocation takes 16.
+    # The smallest allocation takes 16; an arena once in all turns is no loss.
     assert grown < 16.0
