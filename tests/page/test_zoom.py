@@ -56,7 +56,9 @@ def test_at_first_six_steady_cycles_fill_the_view_and_a_button_shows_the_load_up
         window.preset(name)
         assert window.view == pytest.approx(whole(window), rel=1e-9)
         assert [kind for kind, *_ in drawing.phases(window)] == ["stick", "slip"] * 6
+        window.page.fill("#scrub", "500")
         window.page.click("#from-start")
+        assert window.page.input_value("#scrub") == "0"
         (start, end), T = window.view, window.cycle["T"]
         assert start == 0.0
         assert 2.0 * T < end - load_up(window) <= 6.01 * T
