@@ -95,7 +95,8 @@ lint: $(VENV)/ready-to-test
 bench: $(VENV)/ready-to-test
 	$(BIN)/python -m benchmarks.bench
 
-# The site from docs/, in build/site: it opens from a folder, and asks for nothing on a network.
+# The site from docs/, in build/site: it opens from a folder, and asks for nothing on a network. With
+# SITE=https://... in the environment a link to its live page shows a picture.
 site: $(VENV)/ready-for-site
 	$(BIN)/sphinx-build -W --keep-going -q -d build/doctrees docs build/site
 

@@ -3,6 +3,7 @@
 Formulas are MathML, so that a page asks for nothing outside itself.
 """
 
+import os
 import re
 import subprocess
 import sys
@@ -30,6 +31,7 @@ numpydoc_show_class_members = False
 highlight_language = "none"
 html_theme = "pydata_sphinx_theme"
 html_title = "stickslip"
+html_baseurl = os.environ.get("SITE", "")
 html_static_path = ["site.css"]
 html_css_files = ["site.css"]
 html_extra_path = ["made/page"]
@@ -69,9 +71,10 @@ def displayed(site: HTML5Translator, node: nodes.math_block) -> None:
 
 def make(app: Sphinx) -> None:
     """Write what the commands say of themselves, and the live page."""
+    live = f"{html_baseurl.rstrip('/')}/explore.html" if html_baseurl else ""
     for words in (
         ("typer", "stickslip.cli", "utils", "docs", "--output", MADE / "command.md"),
-        ("stickslip", "page", "-o", MADE / "page" / "explore.html"),
+        ("stickslip", "page", "-o", MADE / "page" / "explore.html", "--address", live),
     ):
         subprocess.run([sys.executable, "-m", *words], check=True, stdout=subprocess.DEVNULL)
 

@@ -11,7 +11,7 @@ from fmpy.util import write_csv
 
 from stickslip.commands.expanded import Computing
 from stickslip.commands.shared import computed
-from stickslip.page import page
+from stickslip.page.assemble import card, page
 from stickslip_design import chunks
 from stickslip_design.axis import example, template
 from stickslip_design.datasets import need, read_grid
@@ -241,11 +241,13 @@ def test_the_page_is_one_file_that_begins_where_the_person_says(
 ) -> None:
     told = command.passes("page", "-o", "a.html")
     content = Path("a.html").read_bytes()
-    assert told.split() == ["a.html", str(len(content)), "bytes"]
-    assert content.decode() == page()
-    command.passes("page", "--v", "5mm/s", "--k", "2 kN/m")
+    assert (told.split(), content.decode()) == (["a.html", str(len(content)), "bytes"], page())
+    where = "https://a.org/b/stick-slip.html"
+    command.passes("page", "--v", "5mm/s", "--k", "2 kN/m", "--address", where)
     text = Path("stick-slip.html").read_text(encoding="utf-8")
     assert '"setting":{"k":2000.0,"v":0.005}' in text
+    assert 'content="https://a.org/b/card.png"' in text
+    assert Path("card.png").read_bytes() == card()
 
 
 @pytest.mark.parametrize("opens", [True, False])

@@ -446,7 +446,11 @@ def _accuracy(
     if wrong is not None:
         solver = f"How accurate its solver is shows once {wrong.name} is right."
         return f"As it is: {', '.join(said)}. {solver}"
-    outside = [each.quantity for each in errors if each.largest > within]
+    outside = [
+        f"{each.quantity} ({_percent(each.largest):g} % in {each.worst})"
+        for each in errors
+        if each.largest > within
+    ]
     asked = f"within the {_percent(within):g} % asked for"
     if outside:
         needed = math.ceil(1000.0 * max(each.largest for each in errors)) / 10.0

@@ -7,6 +7,8 @@ import typer
 
 from stickslip.commands.expanded import command, opt
 from stickslip.commands.shared import say
+from stickslip.errors import CommandError
+from stickslip.files import write
 from stickslip.parameters import ParameterError, Parameters
 
 DEFAULT_PAGE = Path("stick-slip.html")
@@ -18,9 +20,23 @@ _Shown = Annotated[Parameters, "m g k c mu_s mu_k v load"]
 def page(
     p: _Shown,
     output: Annotated[Path, opt("File to write.", "FILE", "--output", "-o")] = DEFAULT_PAGE,
+    address: Annotated[
+        str,
+        opt(
+            "Where the page will be on a network: previews of a link then show its picture, "
+            "card.png, which is written beside it.",
+            "https://...",
+        ),
+    ] = "",
 ) -> None:
     """Write the interactive page: one HTML file that works without a network."""
-    print(f"{output}  {_write(p, output)} bytes")
+    from stickslip.page.assemble import CARD, card
+
+    if address and not address.startswith(("http://", "https://")):
+        raise CommandError(f"--address {address}: expected a whole address, such as https://...")
+    print(f"{output}  {_write(p, output, address)} bytes")
+    if address:
+        write(output.with_name(CARD), card(), "--address")
 
 
 @command
@@ -38,9 +54,8 @@ def explore(p: _Shown) -> None:
         raise typer.Exit(1)
 
 
-def _write(p: Parameters, target: Path) -> int:
+def _write(p: Parameters, target: Path, address: str = "") -> int:
     """Write the page that begins with the values given; return its length in bytes."""
-    from stickslip.files import write
     from stickslip.page import page as assemble
     from stickslip.page import page_range
 
@@ -49,6 +64,6 @@ def _write(p: Parameters, target: Path) -> int:
         if not low <= value <= high:
             shown = f"{low:g} to {high:g} {unit}".rstrip()
             raise ParameterError(name, f" {value:g}: the page shows {shown}")
-    content = assemble(dict(p.given)).encode()
+    content = assemble(dict(p.given), address).encode()
     write(target, content, "-o")
     return len(content)

@@ -11,6 +11,7 @@ from functools import cache
 from graphlib import TopologicalSorter
 from importlib.resources import files
 from typing import Any, Final
+from urllib.parse import urljoin
 
 from jinja2 import Environment, FunctionLoader, StrictUndefined
 
@@ -57,6 +58,7 @@ def _imports(path: str, source: str) -> list[str]:
 
 _SETTING: Final = ("m", "g", "load", "k", "c", "mu_s", "mu_k", "v")
 _SOURCES: Final = files("stickslip.page")
+CARD: Final = "card.png"
 
 
 def environment_of(text: Callable[[str], str]) -> Environment:
@@ -73,7 +75,7 @@ def environment_of(text: Callable[[str], str]) -> Environment:
     )
 
 
-def page(setting: Mapping[str, float] | None = None) -> str:
+def page(setting: Mapping[str, float] | None = None, address: str = "") -> str:
     """Return the page: one HTML text that asks for nothing else, from a file or from a server.
 
     Parameters
@@ -81,6 +83,9 @@ def page(setting: Mapping[str, float] | None = None) -> str:
     setting
         Values that it begins with [SI], by name; the rest are the FMU's start values. A value
         out of `page_range` is named on the page and not taken.
+    address
+        Where the page will be on a network, for previews of links to it; their picture, `card`, is
+        then `CARD` beside it.
     """
     from stickslip.page import texts
 
@@ -112,8 +117,10 @@ def page(setting: Mapping[str, float] | None = None) -> str:
         story=story,
         questions=texts.questions(_table("questions/questions.toml")["question"], start, table),
         sentences=sentences,
-        # The stage at the start values, of 600 x 315 px.
-        card=b64encode((_SOURCES / "card.png").read_bytes()).decode(),
+        address=address,
+        picture=urljoin(address, CARD)
+        if address
+        else f"data:image/png;base64,{b64encode(card()).decode()}",
         curves=curves,
         # As JSON that can stand inside a script element.
         data=json.dumps(data, ensure_ascii=False, separators=(",", ":")).replace("</", "<\\/"),
@@ -122,6 +129,11 @@ def page(setting: Mapping[str, float] | None = None) -> str:
         chart_style=_text("chart.css"),
         script=joined({path: _text(path) for path in ["main.js", *_paths(".js")]}),
     )
+
+
+def card() -> bytes:
+    """Return the picture of a link to the page: the stage at the start values, 600 x 315 px."""
+    return (_SOURCES / CARD).read_bytes()
 
 
 def page_range(name: str) -> tuple[float, float, str]:
