@@ -151,7 +151,7 @@ _NOW: Final[dict[Kind, str]] = {
     "sticks": "sticks and slips",
 }
 _BESIDE_IT: Final[dict[Kind, str]] = {
-    "even": "even after another start",
+    "even": "moves evenly after another start",
     "swings": "can swing by ± {} % of the speed after a bump",
     "sticks": "can stick and slip after a bump",
 }

@@ -51,7 +51,7 @@ def test_the_answer_comes_first_and_names_the_smallest_change_of_each_aim() -> N
 @pytest.mark.parametrize(
     ("name", "words"),
     [
-        ("juddering", "0.5 30 0.322 sticks and slips; even after another start 18.4"),
+        ("juddering", "0.5 30 0.322 sticks and slips; moves evenly after another start 18.4"),
         ("juddering", "5 300 3.22 moves evenly – 12.3 –"),
         ("juddering", "it jumps 13.6 µm there and back again in 0.851 s"),
         ("juddering", "axis.stiffness 40 N/µm 4 N/µm"),

@@ -53,7 +53,6 @@ def test_nothing_is_cut_off_and_no_cell_touches_another(window: Window, width: i
     for name in PRESETS:
         window.preset(name)
         found = window.js(_SEEN)
-        # What is read with ease.
         assert found.pop("longest") <= 60
         assert found == {"touching": [], "out": [], "cut": []}, name
 

@@ -93,7 +93,7 @@ def test_a_score_in_units_that_people_read(width: int) -> None:
         (None, "a cycle with a stick exists 1 mm/s search 40 mm/s grazing"),
         (None, "150 mm/s reversal 380 mm/s fold"),
         (None, "steady sliding is unstable 1 mm/s search 50 mm/s eigenvalue"),
-        (BOTH, "at 200 mm/s the mass sticks and slips; even after another start"),
+        (BOTH, "at 200 mm/s the mass sticks and slips; moves evenly after another start"),
         (SWINGS, "at 45 mm/s the mass swings by ± 54 % of the speed, without a stop"),
     ],
 )

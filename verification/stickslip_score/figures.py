@@ -57,7 +57,7 @@ _UNITS = {
     1e3: ("x in mm or t in ks", "F in mN"),
     1e6: ("x in um", "F in uN"),
     1e9: ("x in nm", "F in nN"),
-    1e-3: ("t in ms or x in km", "F in kN"),
+    1e-3: ("t in ms, x in km or v in mm/s", "F in kN"),
     1e-6: ("t in us", "F in MN"),
 }
 """Units of x and F whose numbers are this factor too large."""
@@ -345,7 +345,7 @@ def is_turned(curve: Curve, p: Mapping[str, float], exact: Mapping[str, float] |
     if exact is not None and duration >= 1.5 * exact["period"] and power:
         raise CurveError(
             f"{seen}, {power:g} times as much as it should: {_UNITS[power][column]}? State the "
-            f"unit in the header or with the column's name, '{example}'"
+            f"unit: of a column in the header or with its name, '{example}'"
         )
     return way * due < 0.0 and abs(way) > _SIGN * abs(due)
 

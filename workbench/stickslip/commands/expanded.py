@@ -83,6 +83,9 @@ def command(function: Callable[..., None]) -> Callable[..., None]:
                 # An argument is a file that is read, maybe twice; an option one that is written.
                 is_read = isinstance(infos[name], ArgumentInfo)
                 given[name] = _standard_input(stack) if is_read else Path("/dev/stdout")
+                if not is_read:
+                    # Where a file goes, nothing else does.
+                    stack.enter_context(contextlib.redirect_stdout(sys.stderr))
             for name in mappings:
                 given[name] = named(given[name] or (), infos[name].param_decls[0])
             for name, (kind, names) in made.items():

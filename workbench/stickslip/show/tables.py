@@ -410,8 +410,15 @@ def design_summary(verdict: Verdict) -> RenderableType:
         Text.assemble(verdict.axis.name, ": ", (found.word, _TONES[found.tone])),
         Text(verdict.sentence),
     ]
-    grids = tables.operating_points(verdict), tables.loop(verdict)
-    parts += [_of_grid(each) for each in grids if each.rows]
+    points, loop = tables.operating_points(verdict), tables.loop(verdict)
+    if points.rows:
+        # On a narrow terminal a column for each feed.
+        tall = grid([points.head[0], *next(zip(*points.rows, strict=True))])
+        for row in list(zip(points.head, *points.rows, strict=True))[1:]:
+            tall.add_row(*row)
+        parts.append(Fitted([_of_grid(points), tall]))
+    if loop.rows:
+        parts.append(_of_grid(loop))
     parts.append(Text(f"critical feed: {tables.critical(verdict)}"))
     if verdict.stable and verdict.axis.drive is not None:
         parts.append(Text(f"at a target: {tables.hunting(verdict)[0]}"))
