@@ -138,7 +138,9 @@ def _exit_code() -> int:
         return WRONG_USE
     except TyperException as error:
         text = error.format_message().replace("Value error, ", "").rstrip(".")
-        say(f"{advised(text, sys.argv[1:])}; see stickslip --help")
+        context = getattr(error, "ctx", None)
+        of = context.command_path if context else "stickslip"
+        say(f"{advised(text, sys.argv[1:])}; see {of} --help")
         return WRONG_USE
     except KeyboardInterrupt:
         code = INTERRUPTED

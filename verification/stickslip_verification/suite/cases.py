@@ -7,6 +7,7 @@ import random
 import tomllib
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from difflib import get_close_matches
 from functools import cache
 from pathlib import Path
 from typing import Annotated, Any, ClassVar
@@ -347,7 +348,9 @@ def load_cases(pattern: str | None = None, folder: Path | None = None) -> list[C
     for wanted in (pattern or "*").split(","):
         matching = {name: cases[name] for name in fnmatch.filter(cases, wanted.strip())}
         if not matching:
-            raise CaseError(folder, "", f"no case matches {wanted if pattern else '*.toml'!r}")
+            near = ", ".join(get_close_matches(wanted.strip(), cases, n=3))
+            reason = f"no case matches {wanted if pattern else '*.toml'!r}"
+            raise CaseError(folder, "", f"{reason}; nearest: {near}" if near else reason)
         chosen |= matching
     return [case for case in cases.values() if case.id in chosen]
 

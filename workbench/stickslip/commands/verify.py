@@ -16,6 +16,7 @@ from stickslip.commands.shared import (
     current_fmu,
     long_work,
     pack_evidence,
+    say,
     tell_of,
 )
 from stickslip.errors import CommandError
@@ -55,7 +56,10 @@ def verify(
     ] = None,
     sequences: Annotated[
         int | None,
-        opt("Number of random sequences beside the cases; default: 320, 0 with --cases.", min=0),
+        opt(
+            "Random sequences beside the cases; default: 320, and some with dwell; 0 with --cases.",
+            min=0,
+        ),
     ] = None,
     seed: Annotated[int, opt("Seed of the random sequences.")] = 1,
     list_: Annotated[bool, opt("List the cases and exit.")] = False,
@@ -154,6 +158,8 @@ def verify(
             full=full or sequences is not None,
             command=shlex.join(["stickslip", *sys.argv[1:]]),
         )
+    if within is not None and found.verdict.exact:
+        say(f"--within {within} is not asked of an FMU that is held to the exact contract")
     written = _write(found, output, full=paper)
     screen = console()
     screen.print(tables.verdict_table(found.verdict) if all_ else found.table())
