@@ -75,7 +75,7 @@ def test_a_bad_part_of_an_address_is_named_and_costs_no_good_part(
 def test_the_browser_leads_back_over_links_and_presses(window: Window) -> None:
     window.look(3.0, 4.0)
     go_to(window, "k=2000&v=0.05", "stickslip.setting.k === 2000")
-    shown = window.view, window.paths()
+    shown = window.paths(), window.view
     address(window)
     go_to(window, "k=3000", "stickslip.setting.k === 3000")
     # A link means the same in a fresh window and in a used one.
@@ -83,7 +83,7 @@ def test_the_browser_leads_back_over_links_and_presses(window: Window) -> None:
     address(window)
     window.js("history.back()")
     window.until("stickslip.setting.k === 2000")
-    assert (window.view, window.paths()) == shown
+    assert (window.paths(), window.view) == shown
     assert window.setting["v"] == 0.05
 
 
