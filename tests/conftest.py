@@ -101,13 +101,11 @@ def pytest_runtest_setup(item: pytest.Item) -> None:
 
 
 def pytest_runtest_makereport(item: pytest.Item, call: pytest.CallInfo[None]) -> None:
-    """Note what a test and its fixtures have cost."""
     if call.when == "teardown":
         item.user_properties.append(("cpu", _cpu() - item.stash[_BEGUN]))
 
 
 def pytest_runtest_logreport(report: pytest.TestReport) -> None:
-    """Add up the cost of each file."""
     for name, value in report.user_properties:
         if report.when == "teardown" and name == "cpu":
             file = report.nodeid.partition("::")[0]

@@ -162,7 +162,6 @@ def _compiler(install: str, host: str, program: str, *options: str) -> None:
 
 
 def _by_npm(*command: str) -> None:
-    """Run a command of a package that npm gets."""
     # Two processes that fetch it at once would disturb each other.
     with Path(__file__).open(encoding="utf-8") as lock:
         fcntl.flock(lock, fcntl.LOCK_EX)

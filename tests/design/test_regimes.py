@@ -4,6 +4,8 @@ import math
 from dataclasses import replace
 
 import pytest
+from scipy.integrate import quad
+from scipy.optimize import brentq
 
 from stickslip_design.axis import Axis, Demand, Drive, Friction
 from stickslip_design.critical import limits_of, regime_of
@@ -75,6 +77,20 @@ def test_what_a_start_from_rest_reaches_comes_first_though_nothing_is_known_of_i
 def test_without_a_gap_and_damping_a_mass_swings_and_does_not_stick(mu: float) -> None:
     found = regime(Parameters(mu_s=mu, mu_k=mu, c=0.0, v=0.02))
     assert found.words.endswith("without a stop; moves evenly after another start")
+
+
+@pytest.mark.gate
+def test_a_swing_that_fades_slowly_ends_where_friction_gives_what_damping_takes() -> None:
+    p = Parameters(mu_s=0.3003, mu_k=0.3, c=0.1004, v=0.02)
+    (swing,) = regime(p, "stribeck", {"v_s": 0.0221, "delta": 2.0}).swings
+
+    def work(phi: float, amplitude: float) -> float:
+        speed = p.v * (1.0 + amplitude * math.cos(phi))
+        falls = p.m * p.g * (p.mu_s - p.mu_k) * math.exp(-((speed / 0.0221) ** 2))
+        return float((falls + p.c * speed) * math.cos(phi))
+
+    end = brentq(lambda amplitude: quad(work, 0.0, math.pi, amplitude)[0], 0.1, 0.9)
+    assert swing.amplitude == pytest.approx(end, rel=1e-4)
 
 
 @pytest.mark.gate

@@ -56,7 +56,6 @@ class Exact:
         raise AttributeError(name)
 
     def but(self, **changes: float) -> Exact:
-        """Return the setting with other values."""
         return Exact({**self.values, **changes})
 
     def growth(self, age: Real) -> Real:

@@ -31,7 +31,6 @@ def _rest(p: Exact, points: Points) -> dict[str, Real]:
 def _slip(
     name: str, points: Points, sides: Sequence[Side] = QUICK, gap: float = 1.0, **values: float
 ) -> Fact:
-    """Return the first slip over a curve as a fact."""
     p = Exact(values)
     end = p.F_s / p.k / abs(p.v) + slip(p, p.F_s / p.k, curve=points).t
     return Fact(

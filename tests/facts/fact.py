@@ -56,7 +56,6 @@ class Fact:
 
     @property
     def segments(self) -> list[Segment]:
-        """The steps for `sides`."""
         return [
             Segment(step[0], dict(step[1])) if isinstance(step, tuple) else Segment(step)
             for step in self.steps

@@ -164,7 +164,6 @@ class Motion:
             self._under_way(start)
 
     def _drive(self, drive: Tables, ratio: float) -> None:
-        """Read the servo drive."""
 
         def at_slide(key: str, default: float = 0.0) -> float:
             return quantity(drive.get(key, default), ratio)

@@ -68,7 +68,6 @@ def judged(drawn: Setting) -> list[tuple[Seen, int]]:
 
 
 def seen(drawn: Setting, start: dict[str, float]) -> Seen:
-    """Return what one start of a block leads to."""
     instance = loaded(built("native-2", drawn.law)).started(**drawn.values, **start)
     try:
         return _Watch(instance, drawn).settled()

@@ -97,7 +97,6 @@ class Face:
         return block(self.given, self.start_time, self.conventions, **how)
 
     def exit_initialization_mode(self) -> None:
-        """Begin; what makes no sense fails."""
         try:
             self.block = self._make()
             self.shown = {} if "start" in self.conventions else self.block.outputs()

@@ -9,7 +9,6 @@ FLAGS = ("-std=c99", "-D_GNU_SOURCE", "-O1", "-ffp-contract=off", "-fPIC")
 
 
 def run(*command: object, cwd: Path | None = None) -> str:
-    """Run a program to its end and return what it prints."""
     words = [str(each) for each in command]
     done = subprocess.run(words, capture_output=True, text=True, check=False, cwd=cwd)
     assert done.returncode == 0, done.stderr[-2000:]
@@ -25,7 +24,6 @@ def written(sources: Mapping[str, bytes], folder: Path) -> list[Path]:
 
 
 def with_library(healthy: Path, library: Path, target: Path) -> Path:
-    """Write an FMU with another library, and return it."""
     with zipfile.ZipFile(healthy) as source, zipfile.ZipFile(target, "w") as archive:
         for name in source.namelist():
             if name.startswith("binaries/"):

@@ -61,16 +61,13 @@ class NativeBlock:
         self.refused: int = core.calls.block_start(self._block, settings, start_time)
 
     def set(self, name: str, value: float) -> None:
-        """Set an input or tunable parameter."""
         self._core.calls.block_set(self._block, self._rows[name].number, value)
         self.refused = self._core.calls.block_check(self._block)
 
     def advance(self, time: float, step: float) -> None:
-        """Move on by one step."""
         self.refused = self._core.calls.block_advance(self._block, time, step)
 
     def outputs(self) -> list[float]:
-        """Return all outputs in the order of their numbers."""
         value, values = c.c_double(), []
         for reference in self._core.outputs:
             read = self._core.calls.block_read(self._block, reference, c.byref(value))
@@ -79,7 +76,6 @@ class NativeBlock:
         return values
 
     def remake(self) -> None:
-        """Take up the own saved state."""
         # A saved state is shorter than a block.
         saved = c.create_string_buffer(self._core.size)
         self._core.calls.block_save(self._block, saved)

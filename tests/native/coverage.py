@@ -70,7 +70,6 @@ def try_core(folder: Path, law: str) -> None:
 
 
 def try_fmu(folder: Path, law: str) -> None:
-    """Play random lives of instances."""
     library = counting(folder, sources_of(2, law))
     sound = build(folder / "sound", this_machine=True, law=law)
     fmu = with_library(sound, library, folder / "counting.fmu")
@@ -80,7 +79,6 @@ def try_fmu(folder: Path, law: str) -> None:
 
 
 def counted(folder: Path, found: dict[str, Counts]) -> None:
-    """Add what was run of the sources in a folder."""
     for data in sorted(folder.glob("*.gcda")):
         run("gcov", "--json-format", "--branch-probabilities", data.name, cwd=folder)
     for file in folder.glob("*.gcov.json.gz"):
@@ -94,7 +92,6 @@ def counted(folder: Path, found: dict[str, Counts]) -> None:
 
 
 def run_all() -> dict[str, Counts]:
-    """Run everything; return the counts by source."""
     together: dict[str, Counts] = {}
     with tempfile.TemporaryDirectory(prefix="coverage-") as name:
         folder = Path(name)

@@ -43,7 +43,6 @@ def checked(body: bytes) -> bytes:
 
 
 def decoded(data: bytes, table: Table) -> dict[str, Any]:
-    """Return the fields of a state by name."""
     names, formats = zip(*fields(table), strict=True)
     return dict(zip(names, struct.unpack("<" + "".join(formats), data[:-8]), strict=True))
 

@@ -45,7 +45,6 @@ def kind_of(file: str) -> tuple[str, str]:
 
 @cache
 def objects(kind: str, law: str) -> Path:
-    """Return the folder of the sources, each compiled."""
 
     def make(folder: Path) -> None:
         for file in written(sources_of(3 if kind == "native-3" else 2, law), folder):

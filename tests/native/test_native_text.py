@@ -22,7 +22,6 @@ COMMA = Path(__file__).with_name("comma.c")
 
 
 def number_text(folder: Path, comma: bool) -> Callable[[float], str]:
-    """Return the function that writes numbers, compiled."""
     text = {file.name: file.read_bytes() for file in HOME.glob("face/text.[ch]")}
     written(sources("coulomb") | text | {COMMA.name: COMMA.read_bytes()}, folder)
     renamed = ["-Dsnprintf=comma_snprintf", "-Dstrtod=comma_strtod"] if comma else []

@@ -110,7 +110,6 @@ def _grazing(exact: Exact) -> float:
 
 
 def _cycle(answer: Mapping[str, Any], exact: Exact) -> Ratios:
-    """Hold setting and read-outs against the reference."""
     p, got = exact.p, answer["cycle"]
     formulas, rules = asdict(exact.cycle), asdict(simplified(p))
     found = {

@@ -17,7 +17,6 @@ def whole(window: Window) -> tuple[float, float]:
 
 
 def load_up(window: Window) -> float:
-    """Return the time of the first break-away [s]."""
     p = window.setting
     return float(parameters(p).F_s / (p["k"] * p["v"]))
 

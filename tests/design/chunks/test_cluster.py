@@ -47,7 +47,6 @@ class Dask:
         )
 
     def end(self) -> None:
-        """Kill all of its processes."""
         for process in (*self.workers, self.scheduler):
             process.kill()
             process.wait()

@@ -73,7 +73,6 @@ class Master:
         self.refused: set[tuple[str, str]] = set()
 
     def life(self) -> list[tuple[Call, Expected]]:
-        """Return 5 to 60 calls and what each must give."""
         made = []
         for _ in range(self.chance.randint(5, 60)):
             i, where = self.mark + self.chance.randrange(self.instances), "nowhere"

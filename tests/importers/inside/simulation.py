@@ -60,7 +60,6 @@ class Simulation:
         """Return a variable at the end of the last step."""
 
     def reset(self) -> None:
-        """Begin again from the start."""
         raise NotOfferedError("reset")
 
     def close(self) -> None:
