@@ -33,7 +33,7 @@ native-platforms: $(VENV)/ready-with-compiler
 dist: $(VENV)/ready-with-compiler
 	rm -rf dist
 	$(BIN)/python -m pip wheel --quiet --disable-pip-version-check --no-deps --wheel-dir dist .
-	for law in coulomb stribeck; do for options in '' '--fmi 3' '--native' '--native --fmi 3'; do \
+	for law in coulomb stribeck; do for options in '' '--native' '--fmi 3'; do \
 	    $(BIN)/stickslip build --bare -o dist --law $$law $$options || exit; done; done
 	for fmu in dist/*.fmu; do $(BIN)/stickslip verify --fmu $$fmu --pack || exit; done
 	$(MAKE) try-wheel

@@ -141,7 +141,7 @@ def thinned(values: Iterable[object], every: int) -> list[ParameterSet]:
     ]
 
 
-KINDS = ("python-2", "python-3", "native-2", "native-3")
+KINDS = ("python-2", "native-2", "native-3")
 
 
 @cache
@@ -152,7 +152,7 @@ def built(kind: str, law: str = "coulomb") -> Path:
 
     def make(folder: Path) -> None:
         if language == "python":
-            packer.build(folder, face=face, law=law)
+            packer.build(folder, law=law)
         else:
             native_packer.build(folder, face=face, this_machine=True, law=law)
 

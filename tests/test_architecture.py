@@ -4,7 +4,6 @@ import ast
 import sys
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Literal
 
 import pytest
 
@@ -20,7 +19,7 @@ FOLDERS = {
     if (folder / "__init__.py").exists()
 }
 OUTSIDE = {
-    "fmi": "pythonfmu pythonfmu3",
+    "fmi": "pythonfmu",
     "stickslip_fmu": "",
     "stickslip_native": "",
     "stickslip_ref": "numpy scipy",
@@ -63,9 +62,8 @@ def test_the_verification_takes_the_reference_by_its_front_door() -> None:
     }
 
 
-@pytest.mark.parametrize("version", [2, 3])
-def test_what_travels_in_the_fmu_runs_on_python_3_8(version: Literal[2, 3], tmp_path: Path) -> None:
-    packed = travelling(MAIN, version)
+def test_what_travels_in_the_fmu_runs_on_python_3_8(tmp_path: Path) -> None:
+    packed = travelling(MAIN)
     assert len(packed) > 20
     for name, content in packed.items():
         (tmp_path / name.replace("/", "-")).write_bytes(content)

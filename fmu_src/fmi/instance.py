@@ -1,6 +1,6 @@
-"""The part of a face that all FMI versions have: phases, values, outputs, states, failures.
+"""The FMI 2.0 co-simulation face of a model, for pythonfmu's wrapper.
 
-A face is called by a wrapper in the host's own language. The wrapper turns every exception into a
+The wrapper is in the host's own language. It turns every exception into a
 fatal status and releases references that it does not own (`lifetime`). So each method that the
 wrapper calls returns a value or raises an error that `_fail` made.
 """
@@ -8,7 +8,9 @@ wrapper calls returns a value or raises an error that `_fail` made.
 import contextlib
 import functools
 import sys
-from typing import Any, Callable, ClassVar, List, NamedTuple, Optional, Sequence, Tuple, TypeVar
+from typing import Any, Callable, List, NamedTuple, Optional, Sequence, TypeVar
+
+from pythonfmu import Fmi2Slave
 
 from .lifetime import give_reference
 from .model import ModelError, Spec
@@ -51,6 +53,11 @@ def entry(method: _Method) -> _Method:
     return guarded  # type: ignore[return-value]
 
 
+def _logged(text: str) -> str:
+    """Return a text as the simulator's log takes it, which reads it as a format of printf."""
+    return text.replace("%", "%%")
+
+
 def getter(kind: str) -> Callable[..., Any]:
     """Return the method that reads values of a type by value reference."""
 
@@ -71,18 +78,10 @@ def setter(kind: str) -> Callable[..., Any]:
     return set_values
 
 
-class Instance:
-    """One instance of a model, without the calls that only one FMI version has.
+class Instance(Fmi2Slave):  # type: ignore[misc]
+    """One instance of a model, which a subclass names: ``class Packed(Instance, spec=SPEC)``."""
 
-    A class derives from it and from the slave of a wrapper; its subclass names the model,
-    ``class Packed(Slave, spec=SPEC)``.
-    """
-
-    # The types of the FMI version, that of Reals first.
-    _types: ClassVar[Tuple[str, ...]]
-    # Whether the simulator's log reads texts as printf formats.
-    _log_is_printf = False
-    # The model, and its variables under those types.
+    # The model, and its variables.
     _spec: Spec
     _references: References
 
@@ -91,7 +90,7 @@ class Instance:
         # The class in the slave's own file may have the model from its base.
         if spec is not None:
             cls._spec = spec
-            cls._references = References(spec.table, cls._types, cls._type_of)
+            cls._references = References(spec.table)
         # For a text that it cannot read the wrapper looks this up with an exception pending, and
         # then Python gives up at the first class that lacks it.
         cls.set_string = Instance.set_string  # type: ignore[method-assign]
@@ -100,13 +99,8 @@ class Instance:
         arguments.setdefault("instance_name", "")
         super().__init__(**arguments)
         self.modelName = self._spec.name
-        self._real_readers = self._references.readers[self._types[0]]
+        self._real_readers = self._references.readers["Real"]
         self._begin()
-
-    @staticmethod
-    def _type_of(variable: Variable) -> str:
-        """Return the type of a variable in the FMI version."""
-        raise NotImplementedError
 
     def _begin(self) -> None:
         """Start in the phase after the instantiation."""
@@ -150,16 +144,28 @@ class Instance:
         self._phase = "stepping"
         self._warn()
 
+    def do_step(self, current_time: float, step_size: float) -> bool:
+        """Advance the model by one communication step."""
+        try:
+            if not self._ready:
+                self._prepare_step()
+            self._model.advance(current_time, step_size)
+        except BaseException as error:  # whatever it is, the importing process must survive it
+            raise self._fail(error) from None
+        return True
+
     @entry
     def terminate(self) -> None:
         """End the simulation; the outputs stay readable."""
         self._ready = False
         self._phase = "terminated"
 
+    set_real = setter("Real")
+    get_integer, set_integer = getter("Integer"), setter("Integer")
     get_boolean, set_boolean = getter("Boolean"), setter("Boolean")
     get_string = getter("String")
 
-    def get_reals(self, vrs: List[int]) -> List[float]:
+    def get_real(self, vrs: List[int]) -> List[float]:
         """Return Reals by value reference."""
         # The call that simulators make most, so the common way is written out.
         try:
@@ -167,7 +173,7 @@ class Instance:
                 read = self._real_readers.get(tuple(vrs))
                 if read is not None:
                     return read(self._model)
-            return self._read(self._types[0], vrs)
+            return self._read("Real", vrs)
         except BaseException as error:  # whatever it is, the importing process must survive it
             raise self._fail(error) from None
 
@@ -295,13 +301,9 @@ class Instance:
         """Tell the model's warning, unless it was the last one told."""
         text = self._model.warning()
         if text is not None and text != self._warned:
-            self.log_queue.append(LogMessage(_WARNING, "logStatusWarning", self._logged(text)))
+            self.log_queue.append(LogMessage(_WARNING, "logStatusWarning", _logged(text)))
             self._tell(text)
         self._warned = text
-
-    def _logged(self, text: str) -> str:
-        """Return a text as the wrapper's log takes it."""
-        return text.replace("%", "%%") if self._log_is_printf else text
 
     def _fail(self, error: BaseException) -> FmuError:
         """Return the exception that ends this call and, until a reset, every later one."""
@@ -310,9 +312,8 @@ class Instance:
         # The wrapper would hand over waiting messages with the exception still on its way, which
         # a log written in Python does not survive. Standard error has them.
         self.log_queue.clear()
-        text = self._remember(error)
-        # The wrapper hands it to the log.
-        return FmuError(self._logged(text))
+        # The wrapper hands the text to the log.
+        return FmuError(_logged(self._remember(error)))
 
     def _give_references(self) -> None:
         """Give the references that the wrapper releases at one failure."""

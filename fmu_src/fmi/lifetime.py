@@ -1,10 +1,10 @@
-"""References that the wrappers release without owning them, and their end with the process.
+"""References that the wrapper releases without owning them, and their end with the process.
 
-At every exception that reaches it, a wrapper releases its instance, its class and its log queue
-and goes on using them. pythonfmu's wrapper also releases the globals of the slave's module at every
-instantiation. For each release one reference is added here, so that reference counts stay true:
-no object is freed too early, and none is kept for ever. Both wrappers also put the FMU's folder on
-the module search path at every instantiation; one entry is kept.
+At every exception that reaches it, pythonfmu's wrapper releases its instance, its class and its log
+queue and goes on using them; at every instantiation, the globals of the slave's module. For each
+release one reference is added here, so that reference counts stay true: no object is freed too
+early, and none is kept for ever. At every instantiation the wrapper also puts the FMU's folder on
+the module search path; one entry is kept.
 
 A wrapper that is still loaded at the end of the process releases the interpreter twice, the second
 time from freed memory. Therefore it is made to release it earlier, at Python's exit.
@@ -43,13 +43,10 @@ def give_reference(lost: Any) -> None:
 
 
 def hold(module_globals: Dict[str, Any]) -> None:
-    """Add the reference for one execution of the slave's module, whose globals these are."""
+    """Make up for one execution of the slave's module, whose globals these are."""
     give_reference(module_globals)
-    settle(str(Path(module_globals["__file__"]).parent))
-
-
-def settle(resources: str) -> None:
-    """Keep one entry of the search path for the FMU whose resources are in this folder."""
+    resources = str(Path(module_globals["__file__"]).parent)
+    # One entry of the search path is enough.
     while sys.path.count(resources) > 1:
         sys.path.remove(resources)
     if resources in _binaries or _ONLY_IF_LOADED is None:

@@ -12,8 +12,7 @@ class ModelError(ValueError):
 class Model(Protocol):
     """A model that an FMU runs.
 
-    A class that derives from this one may leave out `refresh`, `check`, `warning` and
-    `date_start`.
+    A class that derives from this one may leave out `refresh`, `check` and `warning`.
 
     Parameters
     ----------
@@ -106,10 +105,6 @@ class Model(Protocol):
         value was set, once for each text.
         """
         return None
-
-    def date_start(self, time: float) -> None:
-        """Take `time` [s] for the start time if no step was made yet: FMI 3.0 tells it so late."""
-        return
 
     def freeze(self) -> Any:
         """Return the whole state for `thaw`."""

@@ -1,12 +1,12 @@
 """Packs a model as an FMU: its modules, those of fmi and the wrapper's binaries in one file.
 
 The modules that travel are found by their imports, from the text of a module that defines SPEC:
-every module outside the standard library and the wrappers. They stand in one package, named by its
+every module outside the standard library and the wrapper. They stand in one package, named by its
 content, each under its own name; imports between them are made relative, so that two FMUs in one
 process never share a module.
 
-The wrapper is pythonfmu for FMI 2.0 and pythonfmu3 for FMI 3.0. An archive is the same, byte for
-byte, at every build: names sorted, dates fixed, deflated.
+The wrapper is pythonfmu. An archive is the same, byte for byte, at every build: names sorted, dates
+fixed, deflated.
 """
 
 import ast
@@ -16,70 +16,39 @@ import tempfile
 import zipfile
 from importlib.util import find_spec
 from pathlib import Path
-from typing import Any, Dict, List, Mapping, NamedTuple, Optional
+from typing import Any, Dict, List, Mapping, Optional
 from xml.dom.minidom import parseString
 from xml.etree.ElementTree import tostring
 
 import pythonfmu
-import pythonfmu3
 
 from .description import Face, identity, model_description
 from .model import Spec
 
+_WRAPPER = f"pythonfmu {pythonfmu.__version__}"
 
-class _Wrapper(NamedTuple):
-    """The wrapper of one FMI version, the slave's own file, and what errors in the log mean."""
-
-    module: Any
-    slave: str
-    refusals: str
-
-    @property
-    def name(self) -> str:
-        return f"{self.module.__name__} {self.module.__version__}"
-
-
-_WRAPPERS: Dict[Face, _Wrapper] = {
-    2: _Wrapper(
-        pythonfmu,
-        """\
+# The slave's own file.
+_SLAVE = """\
 from {package}.fmi.lifetime import hold
 from {package}.slave import Packed
 
 hold(globals())
-""",
-        "",
-    ),
-    # pythonfmu3 looks for the class in the text of the file that it is told.
-    3: _Wrapper(
-        pythonfmu3,
-        """\
-from pythonfmu3 import Fmi3Slave
-
-from {package} import slave
-
-
-class Packed(slave.Packed, Fmi3Slave):
-    pass
-""",
-        "A step was refused, and why.",
-    ),
-}
+"""
 
 # The module `slave` of the packed package: the text that defines SPEC, then this.
 _SLAVE_CLASS = """
-from fmi.fmi{face} import Slave
+from fmi.instance import Instance
 
 
-class Packed(Slave, spec=SPEC):
+class Packed(Instance, spec=SPEC):
     \"""The model as a slave.\"""
 """
 
-# Commands of the wrappers, which an FMU does not need.
+# Commands of the wrapper, which an FMU does not need.
 _COMMANDS = ("__main__.py", "csvbuilder.py", "deploy.py")
 
 # Modules that a host of the FMU has, or that travel as the wrapper.
-_AT_HAND = {*sys.stdlib_module_names, "pythonfmu", "pythonfmu3"}
+_AT_HAND = {*sys.stdlib_module_names, "pythonfmu"}
 
 # The oldest Python that loads the FMU.
 _PYTHON = (3, 8)
@@ -97,9 +66,8 @@ def build_fmu(
     destination: Path,
     prefix: str,
     parts: Optional[Mapping[str, bytes]] = None,
-    face: Face = 2,
 ) -> Path:
-    """Build an FMU and return its file.
+    """Build an FMU 2.0 and return its file.
 
     Parameters
     ----------
@@ -113,8 +81,6 @@ def build_fmu(
     parts
         Files that travel beside the model, such as documentation/index.html, by their path in the
         FMU.
-    face
-        The major version of FMI.
 
     Raises
     ------
@@ -126,17 +92,16 @@ def build_fmu(
         If SOURCE_DATE_EPOCH is set to something else than whole seconds, or the table of the model
         is wrong.
     """
-    wrapper = _WRAPPERS[face]
-    home = Path(wrapper.module.__file__).parent
-    sources = travelling(main, face)
+    home = Path(pythonfmu.__file__).parent
+    sources = travelling(main)
     # Two FMUs in one process share their modules by name, so the name tells the content.
-    package = prefix + digest_of(f"{wrapper.name}\0{wrapper.slave}", sources)[:16]
+    package = prefix + digest_of(f"{_WRAPPER}\0{_SLAVE}", sources)[:16]
     spec = _spec_of(main)
-    root = model_description(spec, face, identity(package), wrapper.name, wrapper.refusals)
+    root = model_description(spec, 2, identity(package), _WRAPPER)
     entries = {
         "modelDescription.xml": parseString(tostring(root)).toprettyxml(encoding="UTF-8"),
         "resources/slavemodule.txt": f"{package}_slave".encode(),
-        f"resources/{package}_slave.py": wrapper.slave.format(package=package).encode(),
+        f"resources/{package}_slave.py": _SLAVE.format(package=package).encode(),
     }
     for name, content in sources.items():
         entries[f"resources/{package}/{name}"] = content
@@ -145,7 +110,7 @@ def build_fmu(
             entries[f"resources/{home.name}/{file.name}"] = file.read_bytes()
     for file in home.glob("resources/binaries/*/*"):
         entries[f"binaries/{file.parent.name}/{spec.name}{file.suffix}"] = file.read_bytes()
-    return write_fmu(destination, spec.name, face, {**entries, **(parts or {})})
+    return write_fmu(destination, spec.name, 2, {**entries, **(parts or {})})
 
 
 def _spec_of(main: str) -> Spec:
@@ -157,17 +122,15 @@ def _spec_of(main: str) -> Spec:
     return spec
 
 
-def travelling(main: str, face: Face = 2) -> Dict[str, bytes]:
+def travelling(main: str) -> Dict[str, bytes]:
     """Return the files of the packed package by their path in it; raises PackError.
 
     Parameters
     ----------
     main
         Text of a module that defines SPEC.
-    face
-        The major version of FMI.
     """
-    text = main.rstrip("\n") + "\n" + _SLAVE_CLASS.format(face=face)
+    text = main.rstrip("\n") + "\n" + _SLAVE_CLASS
     first = _Module("slave", Path("slave.py"), text.encode("utf-8"))
     files = {
         "__init__.py": b'"""The model and what makes it an FMU."""\n',

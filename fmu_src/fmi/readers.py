@@ -4,28 +4,21 @@ An importer reads the same few lists of references at every step. Each list gets
 own, compiled from one expression per variable.
 """
 
-from typing import Any, Callable, Dict, Iterable, List, Sequence, Tuple
+from typing import Any, Callable, Dict, List, Sequence, Tuple
 
 from .model import Model, ModelError
 from .table import Table, Variable
 
 Reader = Callable[[Model], List[Any]]
 
+_TYPES = ("Real", "Integer", "Boolean", "String")
+
 # Lists of one type for which a function is kept: an importer may ask for any number of lists.
 _MOST_READERS = 256
 
 
 class References:
-    """The variables of a table under the types of one FMI version.
-
-    Parameters
-    ----------
-    table
-        The table.
-    types
-        All types that calls may name.
-    type_of
-        Returns the type of a variable.
+    """The variables of a table.
 
     Attributes
     ----------
@@ -33,20 +26,17 @@ class References:
         By type, the functions made so far, by list of references.
     """
 
-    def __init__(
-        self, table: Table, types: Iterable[str], type_of: Callable[[Variable], str]
-    ) -> None:
+    def __init__(self, table: Table) -> None:
         self._rows = table.rows
-        self._types = [type_of(row) for row in table.rows]
-        self.readers: Dict[str, Dict[Tuple[int, ...], Reader]] = {kind: {} for kind in types}
+        self.readers: Dict[str, Dict[Tuple[int, ...], Reader]] = {kind: {} for kind in _TYPES}
 
     def variable(self, kind: str, reference: int) -> Variable:
         """Return the variable behind a value reference; raises ModelError where there is none."""
         if not 0 <= reference < len(self._rows):
             raise ModelError(f"there is no variable with value reference {reference}")
         variable = self._rows[reference]
-        if self._types[reference] != kind:
-            raise ModelError(f"{variable.name} is of type {self._types[reference]}, not {kind}")
+        if variable.kind != kind:
+            raise ModelError(f"{variable.name} is of type {variable.kind}, not {kind}")
         return variable
 
     def reader(self, kind: str, references: Tuple[int, ...]) -> Reader:

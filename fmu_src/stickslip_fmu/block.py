@@ -185,11 +185,6 @@ class Block:
         """Return what the friction law finds unusual about what is set, or None."""
         return self.law.warning(self.state.wanted)
 
-    def date_start(self, time: float) -> None:
-        """Let the meter's `t_event` show a start at `time` [s], if there was no step yet."""
-        if not self.state.started:
-            self.meter.t_event = time
-
     def refresh(self) -> None:
         """Compute the motion where the block stands; raises ModelError where it is not finite."""
         state = self.state

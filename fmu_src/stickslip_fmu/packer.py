@@ -3,7 +3,6 @@
 from pathlib import Path
 from typing import Mapping, Optional
 
-from fmi.description import Face
 from fmi.packer import build_fmu
 
 from .laws.named import COULOMB_NAME, friction_law
@@ -23,14 +22,13 @@ SPEC = spec_of({name})
 def build(
     destination: Path,
     parts: Optional[Mapping[str, bytes]] = None,
-    face: Face = 2,
     law: str = COULOMB_NAME,
 ) -> Path:
     """Build the FMU and return its file.
 
     Parameters
     ----------
-    destination, parts, face
+    destination, parts
         As of `fmi.packer.build_fmu`. In a folder the file has the name of the law's model, for
         Coulomb's law StickSlip.
     law
@@ -50,4 +48,4 @@ def build(
         main = _MAIN_OF_LAW.format(module=named.module, name=named.name)
         if named.law.interface.model == SPEC.name:
             raise ValueError(f"the friction law {law!r} needs a model name other than {SPEC.name}")
-    return build_fmu(main, destination, "stickslip_fmu_", parts, face)
+    return build_fmu(main, destination, "stickslip_fmu_", parts)

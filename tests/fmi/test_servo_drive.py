@@ -1,11 +1,11 @@
-"""A model that is not the block, the servo drive of the feed axis, as an FMU of both versions."""
+"""A model that is not the block, the servo drive of the feed axis, as an FMU."""
 
 import subprocess
 import sys
 from importlib.util import find_spec
 from operator import attrgetter
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any
 from xml.etree import ElementTree
 
 import pytest
@@ -17,7 +17,6 @@ from tests.fmu.acts import printed_log
 from tests.fmu.conformity import CHECKERS, by_fmpy, by_schema, description_of
 
 MAIN = "from examples.feed_axis.servo_drive.model import SPEC\n"
-FACES: tuple[Literal[2, 3], ...] = (2, 3)
 START = {"K_v": 60.0, "on_table": 0, "dead_time": 4e-4, "low_pass": 500.0}
 OUTPUTS = {
     "v": "drive.output",
@@ -36,15 +35,9 @@ FIRST, LATER = (
 )
 
 
-@pytest.fixture(params=FACES)
-def face(request: pytest.FixtureRequest) -> Any:
-    return request.param
-
-
 @pytest.fixture(scope="module")
-def drives(tmp_path_factory: pytest.TempPathFactory) -> dict[int, Path]:
-    folder = tmp_path_factory.mktemp("drive")
-    return {n: build_fmu(MAIN, folder / f"{n}.fmu", "servo_drive_", face=n) for n in FACES}
+def drive(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return build_fmu(MAIN, tmp_path_factory.mktemp("drive") / "drive.fmu", "servo_drive_")
 
 
 def driven(host: Host, fmu: Path, script: list[Any]) -> list[Any]:
@@ -52,28 +45,26 @@ def driven(host: Host, fmu: Path, script: list[Any]) -> list[Any]:
     return [each for each in shown if each is not None]
 
 
-def test_it_shows_the_bits_of_the_model(drives: dict[int, Path], face: int, host: Host) -> None:
+def test_it_shows_the_bits_of_the_model(drive: Path, host: Host) -> None:
     model, expected = servo(START), []
     for h, F in STEPS:
         model.set("F", F)
         model.advance(0.0, h)
         expected.append(list(attrgetter(*OUTPUTS.values())(model)))
-    assert driven(host, drives[face], FIRST + LATER) == expected
+    assert driven(host, drive, FIRST + LATER) == expected
 
 
-def test_a_state_and_its_bytes_repeat_the_motion_to_the_bit(
-    drives: dict[int, Path], face: int, host: Host
-) -> None:
+def test_a_state_and_its_bytes_repeat_the_motion_to_the_bit(drive: Path, host: Host) -> None:
     script = [*FIRST, ["save"], *LATER, ["restore"], ["rewrite"], *LATER]
-    found = driven(host, drives[face], script)
+    found = driven(host, drive, script)
     assert found[3:6] == found[6:]
 
 
 def test_values_that_do_not_go_together_are_refused_in_the_models_own_words(
-    drives: dict[int, Path], face: int, host: Host
+    drive: Path, host: Host
 ) -> None:
     host.errors()
-    (found,) = host.call(play, drives[face], [["start", {"notch": 200.0}]])
+    (found,) = host.call(play, drive, [["start", {"notch": 200.0}]])
     assert "notch_damping = 0.0 is out of range: above 0" in found["messages"][-1]
     assert "ServoDrive: notch_damping = 0.0 is out of range: above 0" in host.errors()
 
@@ -89,17 +80,15 @@ SPEC = SPEC._replace(model=Warns)
 """
 
 
-def test_a_percent_sign_in_a_warning_reaches_the_log(
-    tmp_path: Path, face: Literal[2, 3], host: Host
-) -> None:
-    fmu = build_fmu(MAIN + WARNS, tmp_path / "w.fmu", "w_", face=face)
+def test_a_percent_sign_in_a_warning_reaches_the_log(tmp_path: Path, host: Host) -> None:
+    fmu = build_fmu(MAIN + WARNS, tmp_path / "w.fmu", "w_")
     assert WARNING in "".join(host.call(printed_log, fmu))
     assert WARNING in host.errors()
 
 
 @pytest.mark.parametrize("checker", CHECKERS)
-def test_checkers_find_nothing(drives: dict[int, Path], face: int, checker: Any) -> None:
-    assert checker(drives[face]) == []
+def test_checkers_find_nothing(drive: Path, checker: Any) -> None:
+    assert checker(drive) == []
 
 
 ALONE = f"""
@@ -119,7 +108,7 @@ build_fmu({MAIN!r}, Path(sys.argv[1], "ServoDrive.fmu"), "servo_drive_")
 
 @pytest.mark.gate
 def test_fmi_packs_where_nothing_else_of_ours_is(tmp_path: Path, host: Host) -> None:
-    for name in ("examples", "fmi", "pythonfmu", "pythonfmu3"):
+    for name in ("examples", "fmi", "pythonfmu"):
         spec = find_spec(name)
         assert spec is not None
         (tmp_path / name).symlink_to(Path(spec.origin or "").parent, target_is_directory=True)
@@ -138,17 +127,11 @@ SPEC = SPEC._replace(annotations=(MASTER, PLOT))
 """
 
 
-@pytest.mark.parametrize(
-    ("face", "path", "key"),
-    [(2, "VendorAnnotations/Tool", "name"), (3, "Annotations/Annotation", "type")],
-)
-def test_annotations_of_a_model_stand_where_the_schema_has_them(
-    tmp_path: Path, face: Literal[2, 3], path: str, key: str
-) -> None:
-    fmu = build_fmu(MAIN + NOTED, tmp_path / "Noted.fmu", "noted_", face=face)
+def test_annotations_of_a_model_stand_where_the_schema_has_them(tmp_path: Path) -> None:
+    fmu = build_fmu(MAIN + NOTED, tmp_path / "Noted.fmu", "noted_")
     assert by_schema(fmu) == by_fmpy(fmu) == []
-    found = ElementTree.fromstring(description_of(fmu)).findall(path)
-    assert [(each.get(key), [(one.tag, one.attrib) for one in each]) for each in found] == [
+    found = ElementTree.fromstring(description_of(fmu)).findall("VendorAnnotations/Tool")
+    assert [(each.get("name"), [(one.tag, one.attrib) for one in each]) for each in found] == [
         ("org.example.master", [("Rate", {"unit": "Hz", "value": "100"})]),
         ("org.example.plot", [("Colour", {"name": 'blue & "green" <'})]),
     ]

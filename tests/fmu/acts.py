@@ -264,28 +264,6 @@ def flags_of_a_step(path: str, h: float) -> list[Any]:
     return [status, flags[1].value, reached.value, fmu.messages]
 
 
-def calls_of_other_interfaces(path: str) -> dict[str, int]:
-    """Return the status of FMI 3.0's calls that nothing declares, each followed by a reset."""
-    instance = loaded(path).started()
-    values, none = (c.c_double * 1)(), c.c_size_t(0)
-    flags = [c.byref(c.c_bool()) for _ in range(5)]
-    found = {}
-    for name, arguments in {
-        "SetTime": (1.0,),
-        "GetContinuousStates": (values, none),
-        "SetContinuousStates": (values, none),
-        "GetContinuousStateDerivatives": (values, none),
-        "GetNominalsOfContinuousStates": (values, none),
-        "GetEventIndicators": (values, none),
-        "UpdateDiscreteStates": (*flags, c.byref(c.c_double())),
-    }.items():
-        found[name] = instance.status(name, *arguments)
-        instance.reset()
-        instance.start()
-        instance.step(0.1)
-    return found
-
-
 def printed_log(path: str) -> list[str]:
     """Return the log of a run, its messages read by C's printf as simulators written in C do."""
     texts: list[str] = []

@@ -12,14 +12,13 @@ import fmpy
 import pytest
 
 from stickslip_fmu.spec import TABLE
-from tests.conftest import built
+from tests.conftest import built, kinds
 from tests.fmu.blocks import make_block, outputs
 from tests.fmu.conformity import CHECKERS
 from tests.makers.vocabularies import BASES
+from tests.needs import needs
 
 Checker = Callable[[Path], list[str]]
-
-KINDS = ("python-2", "python-3")
 
 
 @cache
@@ -27,7 +26,7 @@ def described(kind: str) -> Any:
     return fmpy.read_model_description(str(built(kind)))
 
 
-@pytest.fixture(params=KINDS)
+@pytest.fixture(params=kinds())
 def description(request: pytest.FixtureRequest) -> Any:
     return described(request.param)
 
@@ -39,11 +38,11 @@ def old() -> Any:
 
 @pytest.fixture
 def new() -> Any:
-    return described("python-3")
+    return described("native-3")
 
 
 @pytest.mark.parametrize("checker", CHECKERS)
-@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("kind", kinds())
 def test_checkers_find_nothing(kind: str, checker: Checker) -> None:
     assert checker(built(kind)) == []
 
@@ -90,6 +89,7 @@ def test_a_description_claims_what_importers_ask_for_and_no_more(description: An
     assert not getattr(slave, "providesIntermediateUpdate", False)
 
 
+@needs("cc")
 def test_both_fmi_versions_tell_the_same(old: Any, new: Any) -> None:
     def told(description: Any) -> list[Any]:
         texts = ("description", "author", "version", "license", "generationDateAndTime")
@@ -109,6 +109,7 @@ def test_both_fmi_versions_tell_the_same(old: Any, new: Any) -> None:
     assert old.guid != new.instantiationToken
 
 
+@needs("cc")
 def test_the_mode_of_fmi_3_is_an_enumeration_of_the_values_of_fmi_2(new: Any) -> None:
     (mode,) = (each for each in new.modelVariables if each.name == "mode")
     items = [(each.name, int(each.value)) for each in mode.declaredType.items]

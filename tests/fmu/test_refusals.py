@@ -5,8 +5,9 @@ from typing import Any
 import pytest
 
 from tests.conftest import built, kinds
-from tests.driver import ERROR, FATAL, Host, play
-from tests.fmu.acts import calls_of_other_interfaces, flags_of_a_step, without_standard_error
+from tests.driver import ERROR, Host, play
+from tests.fmu.acts import flags_of_a_step, without_standard_error
+from tests.needs import needs
 
 START: list[Any] = ["start", {}]
 REAL = {2: "Real", 3: "Float64"}
@@ -75,48 +76,39 @@ def test_a_refused_whole_number_is_told_what_it_may_be(
     refused(host, kind, "stribeck", [], call, text)
 
 
-@pytest.mark.parametrize("kind", kinds("python-2", "native-2", "native-3"))
+@pytest.mark.parametrize("kind", kinds())
 def test_a_start_time_is_finite(kind: str, host: Host) -> None:
     text = "start time = nan s is out of range: a finite number"
     refused(host, kind, "coulomb", [], ["enter", float("nan")], text)
 
 
-@pytest.mark.parametrize("kind", kinds("python-3", "native-3"))
-def test_the_time_cannot_be_set(kind: str, host: Host) -> None:
+@needs("cc")
+def test_the_time_cannot_be_set(host: Host) -> None:
     text = "time is the independent variable: it cannot be set"
-    refused(host, kind, "coulomb", [START], setting(time=1.0), text)
+    refused(host, "native-3", "coulomb", [START], setting(time=1.0), text)
 
 
-@pytest.mark.parametrize("kind", kinds("python-2", "python-3"))
-def test_a_clamp_is_told_once_and_only_if_it_acts(kind: str, host: Host) -> None:
+def test_a_clamp_is_told_once_and_only_if_it_acts(host: Host) -> None:
     passing = [setting(mu_s=0.2), setting(mu_k=0.1), ["step", 0.1]]
     acting = [setting(mu_k=0.4), *[["step", 0.1], setting(v=0.03)] * 3, ["get", "mu_k_used"]]
     host.errors()
-    assert host.call(play, built(kind), [START, *passing])[-1] is None
+    assert host.call(play, built("python-2"), [START, *passing])[-1] is None
     assert host.errors() == ""
-    assert host.call(play, built(kind), [START, *passing, *acting])[-1] == [0.2 - 0.01]
+    assert host.call(play, built("python-2"), [START, *passing, *acting])[-1] == [0.2 - 0.01]
     assert host.errors().count("mu_k = 0.4 is above mu_s = 0.2") == 1
 
 
-@pytest.mark.parametrize("kind", ["python-2", "python-3"])
-def test_it_refuses_and_warns_where_standard_error_cannot_be_written(kind: str, host: Host) -> None:
-    shown = host.call(without_standard_error, built(kind))
+def test_it_refuses_and_warns_where_standard_error_cannot_be_written(host: Host) -> None:
+    shown = host.call(without_standard_error, built("python-2"))
     assert shown[::2] == [0.3 - 0.01] * 2
     assert all("step size h = -1.0 s" in text for text in shown[1::2])
 
 
-@pytest.mark.parametrize("kind", kinds("python-3", "native-3"))
-def test_a_step_of_fmi_3_says_where_the_simulation_stands(kind: str, host: Host) -> None:
-    path = built(kind)
+@needs("cc")
+def test_a_step_of_fmi_3_says_where_the_simulation_stands(host: Host) -> None:
+    path = built("native-3")
     text = "step size h = -1.0 s is out of range: above 0 and finite"
     assert host.call(flags_of_a_step, path, 0.1) == [0, False, 0.2, []]
     # An error concerns this instance, a fatal one would concern all.
     refusal = [ERROR, False, 0.1, [[ERROR, "logStatusError", text]]]
     assert host.call(flags_of_a_step, path, -1.0) == refusal
-
-
-def test_calls_of_other_interfaces_of_fmi_3_are_survived(host: Host) -> None:
-    found = host.call(calls_of_other_interfaces, built("python-3"))
-    # The wrapper would not survive a refusal of this one.
-    assert found.pop("GetContinuousStateDerivatives") == 0
-    assert set(found.values()) == {FATAL}

@@ -20,20 +20,16 @@ PLACES: list[tuple[dict[str, float], float]] = [
 """Values, and the time of the state [s]."""
 
 
-@pytest.mark.parametrize(("first", "second"), [("python-2", "python-3"), ("python-3", "python-2")])
-def test_bytes_of_a_state_go_on_in_another_process_and_fmi_version(
-    first: str, second: str, host: Host, fresh_host: Host
-) -> None:
-    found = host.call(written, built(first), PLACES)
+def test_bytes_of_a_state_go_on_in_another_process(host: Host, fresh_host: Host) -> None:
+    found = host.call(written, built("python-2"), PLACES)
     expected = [shown for shown, _ in found]
     assert len({str(shown) for shown in expected}) == len(PLACES)
-    for kind in (first, second):
-        assert fresh_host.call(resumed, built(kind), [state for _, state in found]) == expected
+    states = [state for _, state in found]
+    assert fresh_host.call(resumed, built("python-2"), states) == expected
 
 
-@pytest.mark.parametrize("kind", ["python-2", "python-3"])
-def test_a_state_that_was_spoilt_in_any_place_is_refused(kind: str, host: Host) -> None:
-    tries, taken = host.call(spoilt, built(kind))
+def test_a_state_that_was_spoilt_in_any_place_is_refused(host: Host) -> None:
+    tries, taken = host.call(spoilt, built("python-2"))
     assert tries > 500
     assert not taken
 
@@ -43,10 +39,6 @@ LOST = {
     ("python-2", "instances"): 16,
     # References in advance keep the instance, without its block of thirty.
     ("python-2", "states asked for after a failure"): 12,
-    ("python-3", "states asked for after a failure"): 14,
-    # Wrapper of FMI 3.0: one at each refused step and each instance.
-    ("python-3", "failures and resets"): 1,
-    ("python-3", "instances"): 1,
 }
 """Known losses of blocks of memory a turn; else not even one in two turns."""
 

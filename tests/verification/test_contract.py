@@ -39,9 +39,8 @@ def test_the_block_and_the_suite_mean_the_same_contract() -> None:
         "Contract",
         {"name": stated.NAME, "version": stated.VERSION},
     )
-    for kind in ("python-2", "python-3"):
-        file = FmuFile(built(kind))
-        assert (file.stated, file.own_starts) == (StatedContract(True, EXACT), True)
+    file = FmuFile(built("python-2"))
+    assert (file.stated, file.own_starts) == (StatedContract(True, EXACT), True)
 
 
 @pytest.mark.parametrize(

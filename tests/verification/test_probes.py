@@ -17,6 +17,7 @@ from stickslip_verification.drive.masters import NotApplicableError
 from stickslip_verification.suite.faults import Substitution, plant
 from tests.conftest import built
 from tests.makers import SLIDER, SLIDER_3, Foreign, altered, edited, misbehaving
+from tests.needs import needs
 
 INVARIANTS = {invariant.id: invariant for invariant in load_invariants().probes}
 MEMORY = ("memory-of-steps", "memory-of-states", "memory-of-instances")
@@ -45,8 +46,9 @@ def ours(kind: str) -> FmuFile:
 
 
 def tried(kind: str, invariant: str) -> ParameterSet:
-    dear = invariant in DEAR or "fresh" in invariant
-    return pytest.param(kind, invariant, marks=pytest.mark.gate if dear else ())
+    marks = [pytest.mark.gate] * (invariant in DEAR or "fresh" in invariant)
+    marks += [needs("cc")] * kind.startswith("native")
+    return pytest.param(kind, invariant, marks=marks)
 
 
 @pytest.mark.parametrize(
@@ -54,7 +56,7 @@ def tried(kind: str, invariant: str) -> ParameterSet:
     [
         *(tried("python-2", each) for each in INVARIANTS),
         # Declarations are those of FMI 2.0's types.
-        *(tried("python-3", n) for n in INVARIANTS if n not in MEMORY and "declared" not in n),
+        *(tried("native-3", n) for n in INVARIANTS if n not in MEMORY and "declared" not in n),
     ],
 )
 def test_our_fmu_gives_no_probe_a_reason_to_complain(kind: str, invariant: str) -> None:
@@ -63,11 +65,10 @@ def test_our_fmu_gives_no_probe_a_reason_to_complain(kind: str, invariant: str) 
 
 
 @pytest.mark.soak
-@pytest.mark.parametrize("kind", ["python-2", "python-3"])
 @pytest.mark.parametrize("invariant", MEMORY)
-def test_no_memory_is_kept_for_long(kind: str, invariant: str) -> None:
+def test_no_memory_is_kept_for_long(invariant: str) -> None:
     count = 10 * INVARIANTS[invariant].arguments["count"]
-    assert asked(invariant, ours(kind), count=count, seconds=300.0) == []
+    assert asked(invariant, ours("python-2"), count=count, seconds=300.0) == []
 
 
 A_UNIT = (r'(name="delta_x"[^>]*>\s*<Real)[^>]* displayUnit="mm"', r"\1")

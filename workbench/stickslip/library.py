@@ -323,7 +323,7 @@ def build(
         Whether it is the FMU in C, for all platforms, or with the compiler of `this_machine` for
         that alone.
     fmi
-        Version of the standard.
+        Version of the standard; 3 is native.
     law
         Name of the friction law.
 
@@ -340,11 +340,11 @@ def build(
         raise ParameterError("fmi", f" {fmi}: the standard is 2 or 3")
     place = Path(target)
     folder = place.parent if place.suffix == ".fmu" else place
-    if not native:
+    if not native and fmi == 2:
         from stickslip_fmu.packer import build as packed
 
         make_folder(folder, "target")
-        return packed(place, parts(fmi, law=law), fmi, law)
+        return packed(place, parts(fmi, law=law), law)
     from stickslip_native.compiler import compiler_for
     from stickslip_native.packer import build as compiled
 

@@ -99,11 +99,6 @@ enum refusal block_check(const struct block *block)
     return normal_force(&block->wanted, &normal);
 }
 
-void block_date_start(struct block *block, double time)
-{
-    if (!block->started) block->meter.t_event = time;
-}
-
 enum refusal block_refresh(struct block *block)
 {
     const struct settings *settings = &block->friction.settings;

@@ -65,9 +65,6 @@ enum refusal block_check(const struct block *block);
  */
 enum refusal block_advance(struct block *block, double time, double step);
 
-/* Let t_event show a start at this time [s], if there was no step yet. */
-void block_date_start(struct block *block, double time);
-
 /* Read the variable of this value reference, refreshed where the block moved: a Boolean is 0 or 1,
  * a parameter or input is the value last set. */
 enum refusal block_read(struct block *block, enum reference reference, double *value);

@@ -142,7 +142,7 @@ STICKSLIP_EXPORT fmi3Status FMI3(fmi3DoStep)(fmi3Instance instance, fmi3Float64 
         !instance_given(it, "fmi3DoStep", "earlyReturn", early_return) ||
         !instance_given(it, "fmi3DoStep", "lastSuccessfulTime", last_successful_time))
         return fmi3Error;
-    const bool taken = instance_step(it, time, step, true);
+    const bool taken = instance_step(it, time, step);
     *event_handling_needed = *terminate_simulation = *early_return = false;
     *last_successful_time = it->now.time;
     return status_of(taken);

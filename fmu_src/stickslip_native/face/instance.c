@@ -246,13 +246,10 @@ static bool prepare_step(struct instance *it)
     return true;
 }
 
-bool instance_step(struct instance *it, double time, double step, bool starts)
+bool instance_step(struct instance *it, double time, double step)
 {
     if (it == NULL) return false;
-    if (!it->ready) {
-        if (!prepare_step(it)) return false;
-        if (starts) block_date_start(&it->now.block, time);
-    }
+    if (!it->ready && !prepare_step(it)) return false;
     const enum refusal refused = block_advance(&it->now.block, time, step);
     if (refused != ACCEPTED) return refuse(it, refused, time, step);
     /* A state holds no time beyond the numbers. */

@@ -95,9 +95,8 @@ bool instance_enter_initialization(struct instance *it);
 bool instance_exit_initialization(struct instance *it);
 bool instance_terminate(struct instance *it);
 
-/* Move on by one step [s] from this time [s]. Where the start time came late, the first step tells
- * it: `starts`. */
-bool instance_step(struct instance *it, double time, double step, bool starts);
+/* Move on by one step [s] from this time [s]. */
+bool instance_step(struct instance *it, double time, double step);
 
 /* Get values: instance_begin_get, then instance_get of each. `count` references came with `values`,
  * an array of `value_count`. */

@@ -101,14 +101,14 @@ def test_a_reset_gives_the_bits_of_a_new_instance(fmu_path: Path) -> None:
     assert bits(results(fmu_path, plan)) == bits(results(fmu_path, {**plan, "reset": False}))
 
 
-@needs("studies")
+@needs("studies", "cc")
 def test_a_grid_has_dimensions_units_and_inputs_and_the_jumps_of_the_reference() -> None:
     plan = {
         "stop_time": 3.0, "step": "4 ms", "parameters": {"k": [500.0, 3000.0], "mu_s": [0.5]},
         "inputs": {"v": 0.02}, "reset": False,
         "outputs": {"x": ["jump", "period"], "delta_x": "last", "T": "last", "F": "max"},
     }  # fmt: skip
-    found = sweep(built("python-3"), plan, workers=1)
+    found = sweep(built("native-3"), plan, workers=1)
     assert dict(found.sizes) == {"k": 2, "mu_s": 1}
     names = ("x.jump", "x.period", "F.max", "k")
     assert [found[name].attrs["units"] for name in names] == ["m", "s", "N", "N/m"]

@@ -75,8 +75,7 @@ class Contract:
             life = self.lives[i]
             if life.fault is None:
                 life.fault = str(refusal)
-            softly = self.native or (self.face == 3 and name == "step")
-            return Expected(ERROR if softly else FATAL, text=life.fault)
+            return Expected(ERROR if self.native else FATAL, text=life.fault)
         return Expected(OK, values, warns=self._warns)
 
     def type_of(self, reference: int) -> str:
@@ -117,8 +116,7 @@ class Contract:
     def enter(self, i: int, start: float) -> None:
         life = self._sound(i)
         self._be(life, "instantiated", "enterInitializationMode")
-        # The wrapper of FMI 3.0 keeps the start time to itself.
-        if self.face == 3 and self.native:
+        if self.face == 3:
             self._date(life, start)
         life.phase = "initialization"
 
@@ -136,8 +134,6 @@ class Contract:
         life = self._sound(i)
         self._be(life, "stepping", "doStep")
         self._warn(life)
-        if self.face == 3:
-            life.block.date_start(time)
         self._of_block(life.block.advance, time, step)
         life.time = time + step
 

@@ -183,7 +183,7 @@ def _groups(verdict: Verdict) -> dict[str, list[CaseResults]]:
 
 SHOWN = "default"
 """The case that the page shows comparison by comparison: it is the one that runs as it comes."""
-_NAMES = {"2.0": "StickSlip.fmu", "3.0": "StickSlip_fmi3.fmu"}
+_NAMES = {"2.0": "StickSlip.fmu", "3.0": "StickSlip_native_fmi3.fmu"}
 """However the file is called now: that is no part of what it holds."""
 
 

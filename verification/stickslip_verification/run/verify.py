@@ -403,7 +403,7 @@ TRUST = (
 )
 """What a verdict is worth if an FMU is not honest."""
 
-PACKAGES = ("stickslip", "numpy", "scipy", "mpmath", "fmpy", "pythonfmu", "pythonfmu3")
+PACKAGES = ("stickslip", "numpy", "scipy", "mpmath", "fmpy", "pythonfmu")
 
 
 def provenance(fmu: FmuFile, command: str | None = None) -> dict[str, Any]:

@@ -27,14 +27,14 @@ def build(
     output: Annotated[
         Path,
         opt(
-            "File to write, or folder for StickSlip.fmu or StickSlip_fmi3.fmu.",
+            "File to write, or folder for StickSlip.fmu.",
             "DIR|FILE.fmu",
             "--output",
             "-o",
         ),
     ] = BUILD_FOLDER,
     fmi: Annotated[
-        Literal["2", "3"], opt("The standard: 2.0, or 3.0 as StickSlip_fmi3.fmu.")
+        Literal["2", "3"], opt("The standard: 2.0, or 3.0 in C: StickSlip_native_fmi3.fmu.")
     ] = "2",
     bare: Annotated[bool, opt("Leave out the evidence (extra/), which takes seconds.")] = False,
     law: FrictionLaw = COULOMB,
@@ -52,7 +52,7 @@ def build(
 
     The --native FMU needs no Python in the simulator. It knows the built-in friction laws.
     """
-    if this_machine and not native:
+    if this_machine and not native and fmi == "2":
         raise CommandError("--this-machine is for --native; the Python FMU is not compiled")
     fmu = built(output, "-o", native=native, fmi=int(fmi), law=law, this_machine=this_machine)
     failed = False

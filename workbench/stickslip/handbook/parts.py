@@ -127,7 +127,6 @@ def _draw(axes: Axes) -> None:
     axes.plot(*zip(*steps, strict=True), color=_MASS, lw=1.5, solid_joinstyle="round")
 
 
-_WRAPPERS = {2: "pythonfmu", 3: "pythonfmu3"}
 _OURS = "The block, its FMI interface and its documentation: MIT, see stickslip.txt.\n"
 
 Runtime: TypeAlias = Mapping[str, tuple[str, bytes]]
@@ -180,10 +179,10 @@ def parts(
     folder, icon_file = ("licenses", "model.png")
     if fmi_version == 3:
         folder, icon_file = ("documentation/licenses", "terminalsAndIcons/icon.png")
-    native, wrapper = runtime is not None, _WRAPPERS[fmi_version]
+    native = runtime is not None
     if runtime is None:
-        what = f"The binaries, and the Python package {wrapper} in resources/: MIT"
-        runtime = {wrapper: (what, _licence_of(wrapper))}
+        what = "The binaries, and the Python package pythonfmu in resources/: MIT"
+        runtime = {"pythonfmu": (what, _licence_of("pythonfmu"))}
     found = {f"{folder}/{name}": text for name, text in _licences(runtime).items()}
     found[icon_file] = icon()
     if law in BUILT_IN:
