@@ -14,6 +14,7 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
 
+from drawings import differences
 from pydantic import TypeAdapter
 from rules_of_thumb import pages
 
@@ -35,7 +36,6 @@ from stickslip_verification import (
 from stickslip_verification.drive.description import content_digest
 from stickslip_verification.model.verdict import SEQUENCE, Kind
 from stickslip_verification.report.files import as_json
-from stickslip_verification.report.svg import differences
 from stickslip_verification.suite.cases import CaseFile
 from stickslip_verification.suite.faults import FaultFile
 from stickslip_verification.suite.invariants import Invariants

@@ -8,8 +8,8 @@ import pytest
 
 from stickslip_verification import Case, CaseError, load_cases, load_invariants, meanings
 from stickslip_verification.judge.checks import extract, places
-from stickslip_verification.model.quantities import GROUPS
-from stickslip_verification.suite.cases import At, Meaning, of_quantities
+from stickslip_verification.model.quantities import GROUPS, QUANTITIES
+from stickslip_verification.suite.cases import At, Meaning
 
 from .records import exact_of
 
@@ -192,12 +192,12 @@ def test_no_communication_point_hangs_on_rounding_and_every_scale_is_some(case: 
 
 
 def test_every_check_of_a_verdict_has_a_meaning_and_one_of_its_quantity() -> None:
-    invariants, known = load_invariants(), of_quantities()
+    invariants = load_invariants()
+    known = {name: Meaning(of.means, of.look) for name, of in QUANTITIES.items()}
     expected = {each.id: Meaning(each.means, each.look) for each in invariants}
-    for case in CASES:
-        for check in case.checks:
-            # Two checks of one name are about one quantity, or one would hide the other.
-            assert expected.setdefault(check.id, known[check.quantity]) == known[check.quantity]
+    for check in (check for case in CASES for check in case.checks):
+        # Two checks of one name are about one quantity, or one would hide the other.
+        assert expected.setdefault(check.id, known[check.quantity]) == known[check.quantity]
     found = meanings(CASES, invariants)
     for order in invariants.orders:
         assert found.pop(f"{order.id}-asymptotic").means

@@ -14,9 +14,9 @@ from typing import Any
 
 import numpy as np
 
-from ..model.quantities import OUTPUT_NAMES, QUANTITIES, first_load_up
+from ..model.quantities import OUTPUT_NAMES, OUTPUTS, QUANTITIES, first_load_up
 from ..model.verdict import Series
-from ..truth.parameters import START_VALUES, complete
+from ..truth.parameters import PARAMETERS, START_VALUES, Kind, complete
 from . import masters
 from .description import UNITS, FmuError
 from .instance import FmuFile, FmuInstance, available
@@ -295,18 +295,10 @@ def _scales(rows: Iterable[Row]) -> dict[str, float]:
 
 
 # The interface as it is specified, apart from any table of the FMU's own.
-_NO_REALS = {"sticking": "Boolean", "mode": "Integer", "n_slips": "Integer"}
-_DISCRETE = (
-    *("delta_x", "spring_drop", "t_stick", "t_slip", "T", "f", "x_dot_peak", "t_event"),
-    *("mu_k_used", *_NO_REALS),
-)
 _SORTS = {
-    **dict.fromkeys(START_VALUES, "parameter fixed"),
-    **dict.fromkeys(("k", "c", "mu_s", "mu_k"), "parameter tunable"),
-    **dict.fromkeys(("v", "load", "F_ext"), "input continuous"),
-    **dict.fromkeys(OUTPUT_NAMES, "output continuous"),
-    **dict.fromkeys(_DISCRETE, "output discrete"),
-}
+    each.name: "input continuous" if each.kind is Kind.INPUT else f"parameter {each.kind}"
+    for each in PARAMETERS
+} | {each.name: f"output {each.variability}" for each in OUTPUTS}
 """Causality and variability."""
 
 _KINDS = {"Float64": "Real", "Int32": "Integer"}
@@ -323,14 +315,17 @@ def declared_variables(fmu: FmuFile) -> list[str]:
 
 def declared(fmu: FmuFile, of: str) -> list[str]:
     """Find variables of the interface with other units, types or starts, as `of` says."""
-    kinds = _NO_REALS | ({"mode": "Enumeration"} if fmu.fmi_version == "3.0" else {})
+    kinds: dict[str, str] = {each.name: each.type for each in OUTPUTS}
+    if fmu.fmi_version == "3.0":
+        kinds["mode"] = "Enumeration"
     complaints = []
     for name, variable in ((name, fmu.variables[name]) for name in UNITS if fmu.has(name)):
         kind, unit = _KINDS.get(variable.kind, variable.kind), variable.unit or "no unit"
         sort = f"{kind} {variable.causality} {variable.variability}"
+        right_kind = kinds.get(name, "Real")
         verb, seen, right = {
-            "units": ("is declared in", unit, "no unit" if name in _NO_REALS else UNITS[name]),
-            "types": ("is", sort, f"{kinds.get(name, 'Real')} {_SORTS[name]}"),
+            "units": ("is declared in", unit, UNITS[name] if right_kind == "Real" else "no unit"),
+            "types": ("is", sort, f"{right_kind} {_SORTS[name]}"),
             "starts": ("starts at", variable.start, START_VALUES.get(name, variable.start)),
         }[of]
         if seen != right:

@@ -17,7 +17,7 @@ import tomllib
 from collections.abc import Mapping, Sequence
 from functools import cache, partial
 from pathlib import Path
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
 from scipy.optimize import linear_sum_assignment
@@ -54,10 +54,10 @@ _SAME_NAME, _BASE = 8.0, 8.0
 _NAME, _TEXT, _MISSING = 2.0, 1.0, 2.0
 """What a word of the name and one of the description count, and what is not said."""
 
-_TABLES: Final[Mapping[str, Mapping[str, str]]] = tomllib.loads(
+_TABLES: Final[Mapping[str, Mapping[str, Any]]] = tomllib.loads(
     Path(__file__).with_name("words.toml").read_text("utf-8")
 )
-_MEANINGS: Final = _TABLES["parameters"]
+_MEANINGS, _VALUES, _ALONE = (_TABLES[name] for name in ("parameters", "trial", "alone"))
 _TELLING: Final = ("kg", "m/s2", "N/m", "N.s/m")
 _FIXED: Final = {each.name for each in PARAMETERS if each.kind is Kind.FIXED}
 _DISCRETE: Final = {name for name, quantity in QUANTITIES.items() if quantity.discrete}
@@ -82,36 +82,8 @@ _MOST_TRIED, _ALTERNATIVES, _AGAINST = 2000, 3, "compress"
 """Pairs in a trial run; names that a comment offers; word of an extension that is counted the other
 way."""
 
-_HEAD: Final = """\
-# Names file of {file} for stickslip verify --names, begun by stickslip names. Check each line.
-# An entry is: our name = "name in the FMU". In square brackets stands our unit. Where the FMU
-# declares another unit than it means, or counts against the pull, write
-# x = {{ name = "...", unit = "mm", sign = -1 }}
-# A line behind a # is not sure. T = "" says that the FMU has no T.
-# {note}
-"""
-_NO_BLOCK: Final = "Nothing in it is like {}: no stick-slip block by its names, so nothing is set."
-_SEEN_SO: Final = "What is marked as seen moved so in a trial run."
-_NOT_SEEN: Final = (
-    "Words and units alone: a trial run failed, or did not move as a block does (SI is taken "
-    "where none is declared)."
-)
-
 Gaps = Mapping[Variable, tuple[float, int]]
 """How far each output is from what it may be, with the better sign."""
-_VALUES: Final = {"m": 1.3, "g": 9.7, "k": 1700.0, "mu_s": 0.55, "mu_k": 0.25, "v": 0.03}
-"""What is set at first [SI], usual start values in none; the others are zero."""
-
-_ALONE: Final = {
-    "c": 10.0,
-    "load": 3.0,
-    "F_ext": 1.4,
-    "x_start": 2e-3,
-    "x_dot_start": 0.06,
-    "z_start": 2e-3,
-}
-"""What the others are set to [SI], each alone."""
-
 _STEPS: Final = (CommunicationStep(2.5e-3, {}),) * 800  # seven periods
 _SAME, _OTHER, _SAME_NUMBER = 0.1, 0.5, 1e-3
 """Mean distance of two curves, in mean deviations of ours, up to which they are one motion to a
@@ -147,8 +119,9 @@ def starter(fmu: Path) -> str:
     sure = {each.name for each, score in scores.items() if score >= _ALL_SAID}
     lacking = [] if seen else [ours for ours in REQUIRED if ours not in sure]
     chosen = {} if lacking else _sure(scores)
-    note = _SEEN_SO if seen else _NO_BLOCK if lacking else _NOT_SEEN
-    head = _HEAD.format(file=_plain(fmu.name), note=note.format(", ".join(lacking)))
+    texts = _TABLES["texts"]
+    note = texts["seen" if seen else "no_block" if lacking else "not_seen"]
+    head = texts["head"].format(file=_plain(fmu.name), note=note.format(", ".join(lacking)))
     lines = [head, "# What is set"]
     for ours in UNITS:
         if ours == next(name for name in UNITS if name not in INPUT_UNITS):

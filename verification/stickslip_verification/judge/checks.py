@@ -215,7 +215,7 @@ def extract(quantity: str, record: Run, start: Mapping[str, float]) -> Series:
     `LackingError` where the record lacks an output that the quantity needs, `CheckError` where it
     has the wrong number of samples.
     """
-    needs = QUANTITIES[quantity].needs
+    needs = QUANTITIES[quantity].columns
     missing = [name for name in needs if name not in record.outputs]
     if missing:
         raise LackingError(f"no output {', '.join(missing)}")

@@ -50,7 +50,7 @@ class Band:
 
     def judged(self, quantity: str) -> Mask:
         """Return the points at which a quantity is physics."""
-        meant = [self._meant(output) for output in QUANTITIES[quantity].needs]
+        meant = [self._meant(output) for output in QUANTITIES[quantity].columns]
         finite = np.isfinite(self._samples(quantity, self.exact.record))
         return np.asarray(finite & np.all(meant, axis=0))
 

@@ -8,14 +8,16 @@ import re
 from collections.abc import Mapping
 from dataclasses import dataclass
 from fractions import Fraction
+from pathlib import Path
+
+from pydantic.dataclasses import dataclass as model
+
+from .data_file import WRITTEN, DataError, DataFile, Written
 
 Dimension = tuple[int, ...]
 """Exponents of kg, m, s, A, K, mol, cd, rad, in the order of an FMU's BaseUnit."""
 
 _NONE: Dimension = (0, 0, 0, 0, 0, 0, 0, 0)
-_MASS: Dimension = (1, 0, 0, 0, 0, 0, 0, 0)
-_LENGTH: Dimension = (0, 1, 0, 0, 0, 0, 0, 0)
-_TIME: Dimension = (0, 0, 1, 0, 0, 0, 0, 0)
 
 
 @dataclass(frozen=True)
@@ -54,34 +56,17 @@ class Conversion:
         return moved * self.denominator / self.numerator
 
 
-UNITS_WITH_PREFIX: Mapping[str, tuple[Fraction, Dimension]] = {
-    "m": (Fraction(1), _LENGTH),
-    "g": (Fraction(1, 1000), _MASS),
-    "s": (Fraction(1), _TIME),
-    "N": (Fraction(1), (1, 1, -2, 0, 0, 0, 0, 0)),
-    "J": (Fraction(1), (1, 2, -2, 0, 0, 0, 0, 0)),
-    "W": (Fraction(1), (1, 2, -3, 0, 0, 0, 0, 0)),
-    "Hz": (Fraction(1), (0, 0, -1, 0, 0, 0, 0, 0)),
-}
-"""Factor and dimension of the units that take a prefix, by symbol."""
+@model(frozen=True, config=WRITTEN)
+class _Tables(Written):
+    prefixed: Mapping[str, tuple[Fraction, Dimension]]
+    alone: Mapping[str, tuple[Fraction, Dimension]]
+    prefixes: Mapping[str, Fraction]
 
-UNITS_ALONE: Mapping[str, tuple[Fraction, Dimension]] = {
-    "1": (Fraction(1), _NONE),
-    "%": (Fraction(1, 100), _NONE),
-    "min": (Fraction(60), _TIME),
-    "h": (Fraction(3600), _TIME),
-    "day": (Fraction(86400), _TIME),
-    # The Julian year of astronomy and geodesy: 365.25 days.
-    "year": (Fraction(31557600), _TIME),
-    "t": (Fraction(1000), _MASS),
-}
-"""Factor and dimension of the units that take no prefix, by symbol."""
 
-_EXPONENTS = (-12, -9, -6, -6, -6, -3, -2, -1, 3, 6, 9, 12)
-UNIT_PREFIXES: Mapping[str, Fraction] = {
-    prefix: Fraction(10) ** n
-    for prefix, n in zip("pnu\u00b5\u03bcmcdkMGT", _EXPONENTS, strict=True)
-}
+_TABLES: _Tables = DataFile(Path(__file__).with_suffix(".toml"), DataError).read(_Tables)
+UNITS_WITH_PREFIX, UNITS_ALONE = _TABLES.prefixed, _TABLES.alone
+"""Factor and dimension of the units that take a prefix, and that take none, by symbol."""
+UNIT_PREFIXES = _TABLES.prefixes
 """Factors of the prefixes, by symbol."""
 
 _BY_SYMBOL: Mapping[str, tuple[Fraction, Dimension]] = {

@@ -17,11 +17,11 @@ from pydantic.dataclasses import dataclass as model
 
 from .. import truth
 from ..model import data_file as data
-from ..model.quantities import CYCLE, FORMULAS, GROUPS, OUTPUT_NAMES, QUANTITIES
+from ..model.quantities import CYCLE, FORMULAS, GROUPS, OUTPUT_NAMES, QUANTITIES, Quantity
 from ..model.verdict import CaseGroup, CommunicationStep, Klass, Measure, points
 from ..truth.course import COULOMB_NAME
 from ..truth.parameters import PARAMETERS, Parameter, changeable, complete
-from .invariants import Invariants, invariant_ids
+from .invariants import Invariant, Invariants, invariant_ids
 from .tolerances import Facts, Rules, Tolerance, facts_of
 
 _SAME_POINT = 1e-9  # of the mean step: how far rounding may move the sum of many steps
@@ -481,7 +481,7 @@ def _cycle(file: data.DataFile, cycle: CycleEntry, rules: Rules) -> Iterator[Che
     if not rules.lambda_:
         raise file.refusal("without a gap and a pull there is no cycle", "cycle")
     damped = rules.values[0]["c"] > 0.0
-    formulas = {name: formula for name, pair in CYCLE.items() if (formula := pair[damped])}
+    formulas = {name: pair[damped] for name, pair in CYCLE.items() if len(pair) > damped}
     for n, name in enumerate(formulas if cycle.only is None else cycle.only):
         if name not in formulas:
             reason = f"{name!r} has no formula in the {'damped' if damped else 'undamped'} cycle; "
@@ -516,9 +516,6 @@ def _tolerance(file: data.DataFile, n: int, entry: CheckEntry, rules: Rules) -> 
     return rule
 
 
-MEANINGS = Path(__file__).parent / "meanings.toml"
-
-
 @dataclass(frozen=True)
 class Meaning:
     """The consequence of a check's failure for a user of the FMU, and the likeliest bug."""
@@ -527,18 +524,13 @@ class Meaning:
     look: str
 
 
-@cache
-def of_quantities() -> Mapping[str, Meaning]:
-    """Return the meaning of each quantity that a check of a case can be about."""
-    entries = tomllib.loads(MEANINGS.read_text(encoding="utf-8"))
-    return {name: Meaning(**entry) for name, entry in entries.items()}
-
-
 def meanings(cases: Iterable[Case], invariants: Invariants) -> dict[str, Meaning]:
     """Return the meaning of every check by its id, those of cases first."""
-    of = of_quantities()
-    found = {check.id: of[check.quantity] for case in cases for check in case.checks}
-    found |= {invariant.id: Meaning(invariant.means, invariant.look) for invariant in invariants}
+    about: dict[str, Quantity | Invariant] = {
+        check.id: QUANTITIES[check.quantity] for case in cases for check in case.checks
+    }
+    about |= {invariant.id: invariant for invariant in invariants}
+    found = {name: Meaning(of.means, of.look) for name, of in about.items()}
     asymptotic = Meaning(
         "The error does not fall at one rate over all tolerances, so the observed order proves "
         "nothing about the reference.",

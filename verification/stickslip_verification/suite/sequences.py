@@ -7,6 +7,7 @@ sequences fill the whole table of `coverage`, whatever the seed.
 
 import itertools
 import math
+import tomllib
 from collections import Counter
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -32,21 +33,9 @@ _OF_MODE = {0: STICK, 1: FORWARD, -1: BACKWARD}
 UNDAMPED, BELOW, CRITICAL, ABOVE = "c = 0", "below critical", "critical", "above critical"
 DAMPINGS = (UNDAMPED, BELOW, CRITICAL, ABOVE)
 
+_FILE = Path(__file__).with_suffix(".toml")
 CHANGES: Mapping[str, tuple[str, ...]] = {
-    "v": ("v",),
-    "v to 0": ("v",),
-    "load": ("load",),
-    "F_ext": ("F_ext",),
-    "F_ext to 0": ("F_ext",),
-    "load and F_ext that cancel": ("load", "F_ext"),
-    "v, load and F_ext": ("v", "load", "F_ext"),
-    "k": ("k",),
-    "c": ("c",),
-    "mu_s": ("mu_s",),
-    "mu_k": ("mu_k",),
-    "mu_s and mu_k": ("mu_s", "mu_k"),
-    "k, c, mu_s, mu_k and v": ("k", "c", "mu_s", "mu_k", "v"),
-    "the same values again": (),
+    name: tuple(names) for name, names in tomllib.loads(_FILE.read_text("utf-8")).items()
 }
 """Names of the changes, and what each of them sets."""
 
