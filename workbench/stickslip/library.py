@@ -284,7 +284,7 @@ def critical(
     p = p or Parameters()
     ends = tuple(
         None if each is None else above_zero(each, "m/s", name)
-        for each, name in zip(between, ("lowest", "highest"), strict=True)
+        for each, name in zip(between, ("from", "to"), strict=True)
     )
     low, high = ends
     with warnings.catch_warnings(record=True) as caught:

@@ -139,38 +139,10 @@ class Parameters:
     v: Quantity = Quantity()
     load: Quantity = Quantity()
     F_ext: Quantity = Quantity()
-    law: str = field(
-        default="",
-        metadata={
-            "metavar": "NAME",
-            "help": "Friction law: coulomb (the default), stribeck (that of a --curve), or "
-            "MODULE:NAME for one of your own.",
-        },
-    )
-    own: Mapping[str, float | str] = field(
-        default_factory=dict,
-        hash=False,
-        metadata={
-            "option": "--law-parameter",
-            "metavar": "NAME=VALUE",
-            "help": "A parameter of the --law, such as v_s=1mm/s; may be repeated.",
-        },
-    )
-    curve: Path | None = field(
-        default=None,
-        metadata={
-            "metavar": "FILE.csv",
-            "help": "Measured friction curve, for --law stribeck: columns such as 'speed [mm/s]' "
-            "and mu, or force [N] with --normal-force.",
-        },
-    )
-    normal_force: float | str | None = field(
-        default=None,
-        metadata={
-            "metavar": "VALUE",
-            "help": "Normal force under which the forces of --curve were measured (200 N).",
-        },
-    )
+    law: str = ""
+    own: Mapping[str, float | str] = field(default_factory=dict, hash=False)
+    curve: Path | None = None
+    normal_force: float | str | None = None
 
     def __post_init__(self) -> None:
         fields = vars(self)

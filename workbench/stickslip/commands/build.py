@@ -1,11 +1,11 @@
 """`stickslip build`: write the FMU with its documentation and its evidence."""
 
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import Literal
 
 import typer
 
-from stickslip.commands.expanded import FrictionLaw, command, opt
+from stickslip.commands.expanded import command
 from stickslip.commands.shared import (
     BUILD_FOLDER,
     COULOMB,
@@ -24,24 +24,12 @@ _CASE = "default"
 @command
 def build(
     *,
-    output: Annotated[
-        Path,
-        opt(
-            "File to write, or folder for StickSlip.fmu.",
-            "DIR|FILE.fmu",
-            "--output",
-            "-o",
-        ),
-    ] = BUILD_FOLDER,
-    fmi: Annotated[
-        Literal["2", "3"], opt("The standard: 2.0, or 3.0 in C: StickSlip_native_fmi3.fmu.")
-    ] = "2",
-    bare: Annotated[bool, opt("Leave out the evidence (extra/), which takes seconds.")] = False,
-    law: FrictionLaw = COULOMB,
-    native: Annotated[
-        bool, opt("The FMU in C for all platforms, StickSlip_native.fmu; needs ziglang.")
-    ] = False,
-    this_machine: Annotated[bool, opt("With --native: for this machine, by its cc.")] = False,
+    output: Path = BUILD_FOLDER,
+    fmi: Literal["2", "3"] = "2",
+    bare: bool = False,
+    law: str = COULOMB,
+    native: bool = False,
+    this_machine: bool = False,
 ) -> None:
     """Build the FMU; print its path, size and SHA-256.
 

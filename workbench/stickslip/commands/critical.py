@@ -2,21 +2,18 @@
 
 from typing import Annotated
 
-from stickslip.commands.expanded import command, opt
+from stickslip.commands.expanded import command
 from stickslip.commands.shared import console, say
 from stickslip.parameters import Parameters
 
 
 @command
 def critical(
+    *,
     p: Annotated[Parameters, "m g k c mu_s mu_k tau_s B t_0 v load law own curve normal_force"],
-    lowest: Annotated[
-        str | None, opt("Lowest pulling velocity searched.", "VALUE", "--from")
-    ] = None,
-    highest: Annotated[
-        str | None, opt("Highest pulling velocity searched.", "VALUE", "--to")
-    ] = None,
-    json: Annotated[bool, opt("Print the ranges as JSON, SI.")] = False,
+    from_: str | None = None,
+    to: str | None = None,
+    json: bool = False,
 ) -> None:
     """Print at which pulling velocities a cycle with a stick exists, and steady sliding is stable.
 
@@ -24,7 +21,7 @@ def critical(
     """
     from stickslip.library import critical as limits
 
-    found = limits(p, between=(lowest, highest))
+    found = limits(p, between=(from_, to))
     for note in found.notes:
         say(f"warning: {note}")
     if json:

@@ -1,31 +1,20 @@
 """`stickslip design`: whether an axis judders, and what cures it."""
 
 from pathlib import Path
-from typing import Annotated
 
-from stickslip.commands.expanded import arg, command, opt
+from stickslip.commands.expanded import command
 from stickslip.commands.shared import console, hand_out
 from stickslip.errors import CommandError
 
 
 @command
 def design(
+    axis: Path | None = None,
     *,
-    axis: Annotated[
-        Path | None,
-        arg(
-            "The axis; with --template or --example the new file to write, else they print.",
-            "AXIS.toml",
-        ),
-    ] = None,
-    output: Annotated[
-        Path | None, opt("The report; default: AXIS.html in this folder.", "FILE", "-o", "--output")
-    ] = None,
-    json: Annotated[
-        Path | None, opt("Also write the answer for machines: JSON, SI.", "FILE", "--json")
-    ] = None,
-    template: Annotated[bool, opt("Write a commented axis file to fill in.")] = False,
-    example: Annotated[bool, opt("Write the axis file of docs/feed-axis.md.")] = False,
+    output: Path | None = None,
+    json: Path | None = None,
+    template: bool = False,
+    example: bool = False,
 ) -> None:
     """Say whether a feed axis judders, and what cures it: a summary, and a report to print."""
     if template or example:

@@ -5,6 +5,7 @@ import functools
 import inspect
 import sys
 import tempfile
+import tomllib
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import Field, dataclass, fields, is_dataclass
 from pathlib import Path
@@ -16,24 +17,15 @@ from typer.models import ArgumentInfo
 from stickslip.errors import CommandError
 from stickslip.parameters import ParameterError, Quantity
 
+_TABLE: Final = Path(__file__).with_name("options.toml").read_text(encoding="utf-8")
+_ROWS: Final[dict[str, dict[str, dict[str, Any]]]] = tomllib.loads(_TABLE)
+"""What help says of each option, by command or dataclass and name."""
 _PANELS: Final = {
     "parameter": "Parameters (a number in SI, or with a unit: 1kN/m, 0.5 N/um, 2 kg)",
     "input": "Inputs, held over the run (20mm/s, 5 N)",
 }
 _OURS: Final = ("stickslip", "fmi")
 _DASH: Final = Path("-")
-
-
-def opt(text: str, metavar: str | None = None, *names: str, **more: Any) -> Any:
-    """Return an option as typer takes it: its help, what stands for a value, how it is written."""
-    info = typer.Option(help=text, metavar=metavar, **more)
-    info.param_decls = names
-    return info
-
-
-def arg(text: str, metavar: str) -> Any:
-    """Return an argument as typer takes it: its help, and what stands for it."""
-    return typer.Argument(help=text, metavar=metavar)
 
 
 def named(texts: Sequence[str], option: str) -> dict[str, str]:
@@ -52,20 +44,24 @@ def named(texts: Sequence[str], option: str) -> dict[str, str]:
 def command(function: Callable[..., None]) -> Callable[..., None]:
     """Return a function as typer takes it.
 
-    An argument that is a dataclass becomes an option for each of its fields, or for those that are
-    named beside it, parted by blanks. A mapping is written NAME=VALUE, again and again. A flag has
-    no opposite. What the function refuses ends in one line.
+    What it takes by name alone is an option, the rest are arguments; `options.toml` says what each
+    means. A dataclass becomes an option for each of its fields, or for those that are named beside
+    it, parted by blanks. A mapping is written NAME=VALUE, again and again. A flag has no opposite.
+    What the function refuses ends in one line.
     """
     options: list[inspect.Parameter] = []
     made: dict[str, tuple[Any, list[str]]] = {}
     hints = _hints(function)
     for parameter in inspect.signature(function).parameters.values():
-        hint = hints[parameter.name]
-        kind, *extra = get_args(hint) or (hint,)
+        kind, chosen = hints[parameter.name], None
+        if get_origin(kind) is Annotated:
+            kind, names = get_args(kind)
+            chosen = names.split()
         if not is_dataclass(kind):
-            options.append(_expanded(parameter.name, hint, parameter.default))
+            row = _ROWS[function.__name__][parameter.name]
+            make = _option if parameter.kind is parameter.KEYWORD_ONLY else typer.Argument
+            options.append(_typed(parameter.name, kind, parameter.default, make(**row)))
             continue
-        chosen = next((each.split() for each in extra), None)
         of_fields = [
             _of_field(kind, each)
             for each in fields(kind)
@@ -74,7 +70,7 @@ def command(function: Callable[..., None]) -> Callable[..., None]:
         made[parameter.name] = (kind, [each.name for each in of_fields])
         options += of_fields
     infos = {each.name: get_args(each.annotation)[1] for each in options}
-    mappings = [each for each, info in infos.items() if getattr(info, "is_mapping", False)]
+    mappings = [each for each, info in infos.items() if info.is_mapping]
 
     @functools.wraps(function)
     def run(**given: Any) -> None:
@@ -101,35 +97,40 @@ def command(function: Callable[..., None]) -> Callable[..., None]:
 _hints = functools.cache(functools.partial(get_type_hints, include_extras=True))
 
 
+def _option(names: Sequence[str] = (), **row: Any) -> Any:
+    """Return an option as typer takes it; without names it is written by that of its parameter."""
+    info = typer.Option(**row)
+    info.param_decls = tuple(names)
+    return info
+
+
 def _of_field(kind: Any, field: Field[Any]) -> inspect.Parameter:
     """Return the option of a field of a dataclass; a quantity is typed as a text."""
-    hint = _hints(kind)[field.name]
-    if get_origin(hint) is Annotated:
-        return _expanded(field.name, hint, field.default)
-    text = field.metadata.get("option", "--" + field.name.replace("_", "-"))
-    spellings = sorted({text, text.lower()} if len(field.name) > 1 else {text})
     quantity = vars(kind).get(field.name)
-    if isinstance(quantity, Quantity):
-        row = quantity.variable
-        unit = "" if row.unit == "1" else f" [{row.unit}]"
-        limits = "" if row.minimum is None else f", {row.range}"
-        about = f"{row.description}{unit}{limits}; default {row.start:g}."
-        info = opt(about, "VALUE", *spellings, rich_help_panel=_PANELS[row.causality])
-        hint = str
-    else:
-        info = opt(field.metadata["help"], field.metadata["metavar"], *spellings)
-    return _expanded(field.name, Annotated[hint | None, info], None)
+    if not isinstance(quantity, Quantity):
+        hint = _hints(kind)[field.name]
+        default = False if hint is bool else None
+        info = _option(**_ROWS[kind.__name__][field.name])
+        return _typed(field.name, hint if hint is bool else hint | None, default, info)
+    text, row = "--" + field.name.replace("_", "-"), quantity.variable
+    unit = "" if row.unit == "1" else f" [{row.unit}]"
+    limits = "" if row.minimum is None else f", {row.range}"
+    info = _option(
+        sorted({text, text.lower()} if len(field.name) > 1 else {text}),
+        help=f"{row.description}{unit}{limits}; default {row.start:g}.",
+        metavar="VALUE",
+        rich_help_panel=_PANELS[row.causality],
+    )
+    return _typed(field.name, str | None, None, info)
 
 
-def _expanded(name: str, hint: Any, default: Any) -> inspect.Parameter:
+def _typed(name: str, kind: Any, default: Any, info: Any) -> inspect.Parameter:
     """Return a parameter of a function as typer takes it."""
-    kind, info = get_args(hint)
     kinds = set(get_args(kind | None)) - {type(None)}
-    if kinds == {bool} and not info.param_decls and default is False:
-        info.param_decls = ("--" + name.strip("_").replace("_", "-"),)
-    if any(get_origin(each) is Mapping for each in kinds):
-        info.is_mapping = True
-        info.param_decls = info.param_decls or ("--" + name,)
+    info.is_mapping = any(get_origin(each) is Mapping for each in kinds)
+    if not isinstance(info, ArgumentInfo):
+        info.param_decls = info.param_decls or ("--" + name.strip("_").replace("_", "-"),)
+    if info.is_mapping:
         kind, default = list[str] | None, None
     elif kinds == {float, str}:
         kind = str | None
@@ -163,7 +164,9 @@ def _refusals(names: Sequence[str]) -> Iterator[None]:
         raise
     except ParameterError as error:
         option = error.name.replace("_", "-")
-        option = f"--{option}" if error.name in names else f"--law-parameter {error.name}"
+        # The name of an option that is a word of Python ends with a line: from_.
+        known = {error.name, f"{error.name}_"} & {*names}
+        option = f"--{option}" if known else f"--law-parameter {error.name}"
         raise CommandError(option + error.reason) from error
     except (ValueError, RuntimeError, ImportError) as error:
         frame = error.__traceback__
@@ -175,37 +178,11 @@ def _refusals(names: Sequence[str]) -> Iterator[None]:
         raise CommandError(" ".join(str(error).split())) from error
 
 
-_computing = functools.partial(opt, rich_help_panel="Computing")
-
-FrictionLaw = Annotated[
-    str,
-    opt(
-        "Friction law: coulomb (the default), stribeck, or MODULE:NAME for one of your own.",
-        "NAME",
-        "--law",
-    ),
-]
-
-
 @dataclass(frozen=True, kw_only=True)
 class Computing:
     """How a study is computed."""
 
-    workers: Annotated[
-        int | None, _computing("Processes on this machine; default: one a core.", "N")
-    ] = None
-    cluster: Annotated[
-        str | None,
-        _computing(
-            "Compute on the workers of a dask scheduler (tcp://host:8786), which share the folder "
-            "of the study.",
-            "ADDRESS",
-        ),
-    ] = None
-    fresh: Annotated[
-        bool,
-        _computing(
-            "Throw away what an earlier run of another study, or of other versions, has left."
-        ),
-    ] = False
-    yes: Annotated[bool, _computing("Compute more than 10^9 points.")] = False
+    workers: int | None = None
+    cluster: str | None = None
+    fresh: bool = False
+    yes: bool = False

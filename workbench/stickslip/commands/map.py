@@ -5,7 +5,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
-from stickslip.commands.expanded import Computing, arg, command, opt
+from stickslip.commands.expanded import Computing, command
 from stickslip.commands.shared import say
 from stickslip.errors import CommandError
 from stickslip.parameters import Parameters
@@ -19,44 +19,14 @@ if TYPE_CHECKING:
 
 @command
 def map(  # noqa: A001 - the name of the command
+    axis: Path | None = None,
     *,
-    axis: Annotated[
-        Path | None, arg("An axis file; without it the block is mapped.", "AXIS.toml")
-    ] = None,
-    over: Annotated[
-        Mapping[str, str],
-        opt(
-            "A parameter and its range, such as 'v=0.1..50 mm/s log 400'; two or more. Of an "
-            "axis file a number that it states (axis.stiffness), or feed. Default: lin 200.",
-            "'NAME=LOW..HIGH UNIT log|lin COUNT'",
-        ),
-    ],
-    output: Annotated[
-        str | None,
-        opt(
-            "Folder, or address of fsspec, of the map; default: NAME-map in this folder.",
-            "FOLDER",
-            "-o",
-            "--output",
-        ),
-    ] = None,
+    over: Mapping[str, str],
+    output: str | None = None,
     p: Annotated[Parameters, "m g k c mu_s mu_k tau_s B t_0 v load law own curve normal_force"],
     computing: Computing,
-    feed: Annotated[
-        str | None,
-        opt(
-            "Feed of the axis, where the map is not over it; default: the first demanded.", "VALUE"
-        ),
-    ] = None,
-    limit: Annotated[
-        bool | None,
-        opt(
-            "Whether the critical velocity of the block is searched, at 10 to 100 ms each "
-            "where friction has no closed form; default: up to 1000 searches.",
-            None,
-            "--limit/--no-limit",
-        ),
-    ] = None,
+    feed: str | None = None,
+    limit: bool | None = None,
 ) -> None:
     """Map jump, period and regime over two parameters or more: pictures, a page and a dataset."""
     from stickslip import studies

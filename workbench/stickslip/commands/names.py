@@ -1,21 +1,14 @@
 """`stickslip names`: a names file to begin with, for an FMU from elsewhere."""
 
 from pathlib import Path
-from typing import Annotated
 
-from stickslip.commands.expanded import arg, command, opt
+from stickslip.commands.expanded import command
 from stickslip.commands.shared import hand_out
 from stickslip.errors import CommandError
 
 
 @command
-def names(
-    *,
-    fmu: Annotated[Path, arg("The FMU, 2.0 or 3.0.", "FILE.fmu")],
-    output: Annotated[
-        Path | None, opt("File to write; default: the terminal.", "FILE.toml", "--output", "-o")
-    ] = None,
-) -> None:
+def names(fmu: Path, *, output: Path | None = None) -> None:
     """Write a names file to begin with, for `stickslip verify --names`; the FMU is run for it."""
     from stickslip_verification import starter
 

@@ -5,7 +5,7 @@ from typing import Annotated
 
 import typer
 
-from stickslip.commands.expanded import command, opt
+from stickslip.commands.expanded import command
 from stickslip.commands.shared import say
 from stickslip.errors import CommandError
 from stickslip.files import write
@@ -17,18 +17,7 @@ _Shown = Annotated[Parameters, "m g k c mu_s mu_k v load"]
 
 
 @command
-def page(
-    p: _Shown,
-    output: Annotated[Path, opt("File to write.", "FILE", "--output", "-o")] = DEFAULT_PAGE,
-    address: Annotated[
-        str,
-        opt(
-            "Where the page will be on a network: previews of a link then show its picture, "
-            "card.png, which is written beside it.",
-            "https://...",
-        ),
-    ] = "",
-) -> None:
+def page(*, p: _Shown, output: Path = DEFAULT_PAGE, address: str = "") -> None:
     """Write the interactive page: one HTML file that works without a network."""
     from stickslip.page.assemble import CARD, card
 
@@ -40,7 +29,7 @@ def page(
 
 
 @command
-def explore(p: _Shown) -> None:
+def explore(*, p: _Shown) -> None:
     """Open the interactive page in the browser: drag a slider, see it stick and slip."""
     import tempfile
     import webbrowser

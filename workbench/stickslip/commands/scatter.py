@@ -2,9 +2,9 @@
 
 from collections.abc import Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Literal
+from typing import TYPE_CHECKING, Literal
 
-from stickslip.commands.expanded import Computing, arg, command, opt
+from stickslip.commands.expanded import Computing, command
 from stickslip.errors import CommandError
 
 if TYPE_CHECKING:
@@ -13,76 +13,19 @@ if TYPE_CHECKING:
 
 @command
 def scatter(
+    axis: Path,
     *,
-    axis: Annotated[Path, arg("The axis file; its ± count as scatter.", "AXIS.toml")],
-    vary: Annotated[
-        Mapping[str, str],
-        opt(
-            "How a number varies, such as 'friction.mu_s=normal 0.2 0.02' (mean, sigma), "
-            "lognormal (median, sigma), uniform LOW..HIGH, triangular LOW LIKELIEST HIGH, ± 10 %, "
-            "or fixed; may be repeated.",
-            "'NAME=DISTRIBUTION'",
-        ),
-    ],
-    spread_is: Annotated[
-        Literal["uniform", "normal"],
-        opt("What a ± means: any value within it alike, or two sigma of a normal."),
-    ] = "uniform",
-    correlation: Annotated[
-        Mapping[str, str],
-        opt(
-            "Correlation of two numbers that vary, -1 to 1, such as "
-            "friction.mu_s,friction.mu_k=0.8; may be repeated.",
-            "NAME,NAME=VALUE",
-        ),
-    ],
-    feed: Annotated[
-        list[str] | None,
-        opt(
-            "Feed to judge at, such as '2 mm/min'; may be repeated. Default: those of the file.",
-            "VALUE",
-        ),
-    ] = None,
-    samples: Annotated[
-        int | None,
-        opt("Machines drawn; default: 100000 where closed forms answer, else 1000.", "N", min=1),
-    ] = None,
-    indices: Annotated[
-        int | None,
-        opt(
-            "Rows of the Sobol indices, a power of two, each as many points as numbers vary "
-            "and two; 0: none. Default: 4096 where closed forms answer, else 0.",
-            "ROWS",
-            min=0,
-        ),
-    ] = None,
-    seed: Annotated[int, opt("Seed of the random numbers.", "N", min=0)] = 0,
-    hold: Annotated[
-        str | None,
-        opt(
-            "What must hold, such as '99 % at 2 mm/min': so many machines run evenly there.",
-            "'SHARE at FEED'",
-        ),
-    ] = None,
-    solve: Annotated[
-        str | None, opt("The number whose nominal value is solved for, with --hold.", "NAME")
-    ] = None,
-    within: Annotated[
-        str | None,
-        opt(
-            "Where it is looked for; default: a tenth to ten times the nominal value.",
-            "'LOW..HIGH UNIT'",
-        ),
-    ] = None,
-    output: Annotated[
-        Path | None,
-        opt(
-            "Folder of page, pictures, machines and summary; a study that was ended resumes there.",
-            "FOLDER",
-            "-o",
-            "--output",
-        ),
-    ] = None,
+    vary: Mapping[str, str],
+    spread_is: Literal["uniform", "normal"] = "uniform",
+    correlation: Mapping[str, str],
+    feed: list[str] | None = None,
+    samples: int | None = None,
+    indices: int | None = None,
+    seed: int = 0,
+    hold: str | None = None,
+    solve: str | None = None,
+    within: str | None = None,
+    output: Path | None = None,
     computing: Computing,
 ) -> None:
     """Tell how likely an axis jumps at a feed where its numbers vary, and by how much."""

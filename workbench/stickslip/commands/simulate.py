@@ -1,9 +1,9 @@
 """`stickslip simulate`: one run of the FMU or of the reference, as a table, a file, a plot."""
 
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import Literal
 
-from stickslip.commands.expanded import command, opt
+from stickslip.commands.expanded import command
 from stickslip.commands.shared import console, say
 from stickslip.errors import CommandError
 from stickslip.parameters import Parameters
@@ -11,32 +11,17 @@ from stickslip.parameters import Parameters
 
 @command
 def simulate(
+    *,
     p: Parameters,
-    engine: Annotated[Literal["fmu", "reference"], opt("The FMU, or the SciPy reference.")] = "fmu",
-    fmu: Annotated[
-        Path | None, opt("The FMU to simulate; default: one built for this run.", "FILE")
-    ] = None,
-    start_time: Annotated[str, opt("First time [s].", "TIME")] = "0",
-    stop_time: Annotated[str, opt("Last time [s].", "TIME")] = "10",
-    output_interval: Annotated[
-        str | None,
-        opt(
-            "Distance of the samples [s]; default 0.01, doubled until 1000 are enough, "
-            "or halved until a --plot is smooth.",
-            "TIME",
-        ),
-    ] = None,
-    most_slips: Annotated[
-        int | None,
-        opt("Slips that a run may have; default 1000000, of the reference 10000.", "N", min=1),
-    ] = None,
-    output_file: Annotated[
-        Path | None, opt("Write the samples of every output here.", "FILE.csv")
-    ] = None,
-    plot: Annotated[
-        Path | None, opt("Draw position and force here: .png, .svg or .pdf.", "FILE")
-    ] = None,
-    json: Annotated[bool, opt("Print the figures of the cycle as JSON, SI.")] = False,
+    engine: Literal["fmu", "reference"] = "fmu",
+    fmu: Path | None = None,
+    start_time: str = "0",
+    stop_time: str = "10",
+    output_interval: str | None = None,
+    most_slips: int | None = None,
+    output_file: Path | None = None,
+    plot: Path | None = None,
+    json: bool = False,
 ) -> None:
     """Simulate one run and print its cycle beside the exact and the simplified one."""
     from stickslip.files import check_drawable, check_writable

@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated
 
-from stickslip.commands.expanded import Computing, arg, command, opt
+from stickslip.commands.expanded import Computing, command
 from stickslip.commands.shared import computed as run
 from stickslip.commands.shared import console, hand_out, say
 from stickslip.errors import CommandError
@@ -13,27 +12,11 @@ from stickslip.errors import CommandError
 
 @command
 def sweep(
+    model: Path,
+    plan: Path | None = None,
     *,
-    model: Annotated[Path, arg("The FMU or SSP file.", "MODEL")],
-    plan: Annotated[
-        Path | None,
-        arg(
-            "What to set, how long to run and what to keep; with --template the new file to "
-            "write, else it prints.",
-            "PLAN.toml",
-        ),
-    ] = None,
-    output: Annotated[
-        str | None,
-        opt(
-            "Where the results go, a folder or an address of fsspec: sweep.zarr of a grid, "
-            "sweep.parquet of points, and chunk files from which a killed sweep resumes.",
-            "FOLDER",
-            "-o",
-            "--output",
-        ),
-    ] = None,
-    template: Annotated[bool, opt("Write a plan with the model's own variables.")] = False,
+    output: str | None = None,
+    template: bool = False,
     computing: Computing,
 ) -> None:
     """Run an FMU or SSP file with many settings, and keep numbers of each run."""

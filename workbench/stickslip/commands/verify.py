@@ -5,11 +5,11 @@ import os
 import shlex
 import sys
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Literal
+from typing import TYPE_CHECKING, Literal
 
 import typer
 
-from stickslip.commands.expanded import FrictionLaw, command, opt
+from stickslip.commands.expanded import command
 from stickslip.commands.shared import (
     COULOMB,
     console,
@@ -33,66 +33,25 @@ LEAST_MEMORY = 0.1
 @command
 def verify(
     *,
-    fmu: Annotated[
-        Path | None, opt("The FMU to verify; default: build/StickSlip.fmu, built anew.", "FILE")
-    ] = None,
-    law: FrictionLaw = COULOMB,
-    names: Annotated[
-        Path | None, opt("Names file: the FMU's names of the variables.", "FILE.toml")
-    ] = None,
-    contract: Annotated[
-        Literal["exact", "physics"] | None,
-        opt("The contract; default: exact if the FMU's description names it."),
-    ] = None,
-    strict: Annotated[bool, opt("Contract checks decide for any FMU.")] = False,
-    cases: Annotated[
-        str | None,
-        opt(
-            "Only the cases of shell patterns ('damped-*,heat'), or cases of your own. Beside "
-            "single cases (PATTERN, FILE.toml) no probe runs that takes a fresh process: memory, "
-            "serialized state, environment.",
-            "PATTERN|DIR|FILE.toml",
-        ),
-    ] = None,
-    sequences: Annotated[
-        int | None,
-        opt(
-            "Random sequences beside the cases; default: 320, and some with dwell; 0 with --cases.",
-            min=0,
-        ),
-    ] = None,
-    seed: Annotated[int, opt("Seed of the random sequences.")] = 1,
-    list_: Annotated[bool, opt("List the cases and exit.")] = False,
-    all_: Annotated[bool, opt("Print every comparison, not one row per case.")] = False,
-    jobs: Annotated[
-        int | None, opt("Parallel processes, 4 per processor at most; default: one.", min=1)
-    ] = None,
-    time_limit: Annotated[float, opt("Limit for one run of the FMU.", "SECONDS")] = 60.0,
-    budget: Annotated[
-        float | None,
-        opt(
-            "Limit for all runs of the FMU without a result together; default: 120, or the "
-            "time limit if that is longer.",
-            "SECONDS",
-        ),
-    ] = None,
-    memory: Annotated[float, opt("Limit for a process of the FMU; none on Windows.", "GB")] = 4.0,
-    within: Annotated[
-        str | None,
-        opt(
-            "What an FMU of the physics contract must be within ('1%', 0.01) in jump, stick, "
-            "slip, period and force; default: 1e-6.",
-            "PERCENT|RATIO",
-        ),
-    ] = None,
-    pack: Annotated[bool, opt("Put the report into the FMU as evidence (extra/).")] = False,
-    full: Annotated[
-        bool, opt("Try an FMU of the physics contract on all cases, sequences.")
-    ] = False,
-    paper: Annotated[bool, opt("Print every comparison in the report on paper.")] = False,
-    output: Annotated[
-        Path, opt("Folder of the report, or JSON alone.", "DIR|FILE.json", "--output", "-o")
-    ] = DEFAULT_REPORT,
+    fmu: Path | None = None,
+    law: str = COULOMB,
+    names: Path | None = None,
+    contract: Literal["exact", "physics"] | None = None,
+    strict: bool = False,
+    cases: str | None = None,
+    sequences: int | None = None,
+    seed: int = 1,
+    list_: bool = False,
+    all_: bool = False,
+    jobs: int | None = None,
+    time_limit: float = 60.0,
+    budget: float | None = None,
+    memory: float = 4.0,
+    within: str | None = None,
+    pack: bool = False,
+    full: bool = False,
+    paper: bool = False,
+    output: Path = DEFAULT_REPORT,
 ) -> None:
     """Check an FMU and the reference against the truth; exit 0 if all checks pass, else 1."""
     from stickslip import judgements
