@@ -141,15 +141,13 @@ def computed(study: "Study", folder: str | None, computing: Computing, described
     """Compute a study, and show its rate, the time left and its failures on a terminal.
 
     It resumes in `folder`, a folder or an address, if that is not None; `described` is what is
-    done, as progress shows it: "Computing the map". `CommandError` if an option is wrong, or the
-    study cannot be computed to its end.
+    done, as progress shows it: "Computing the map". `CommandError` if options do not go together,
+    `StudyError` if the study cannot be computed to its end.
     """
     from stickslip.progress import Meter
-    from stickslip_design.chunks import StudyError, run
+    from stickslip_design.chunks import run
 
-    workers, cluster = computing.workers, computing.cluster
-    if workers is not None and workers < 1:
-        raise CommandError(f"--workers {workers}: at least 1 is needed")
+    workers, cluster, fresh = computing.workers, computing.cluster, computing.fresh
     if workers is not None and cluster is not None:
         raise CommandError("--workers goes with this machine, not with --cluster")
     if study.count > MOST_POINTS and not computing.yes:
@@ -163,17 +161,7 @@ def computed(study: "Study", folder: str | None, computing: Computing, described
                 say(progress.note)
             meter.advance(progress.done, progress.count, f"{described}: {_how_far(progress)}")
 
-        try:
-            return run(
-                study,
-                folder,
-                workers=workers,
-                cluster=cluster,
-                fresh=computing.fresh,
-                progress=show,
-            )
-        except StudyError as error:
-            raise CommandError(str(error)) from error
+        return run(study, folder, workers=workers, cluster=cluster, fresh=fresh, progress=show)
 
 
 def _how_far(progress: "Progress") -> str:

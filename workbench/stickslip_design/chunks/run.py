@@ -31,7 +31,7 @@ from contextlib import ExitStack, closing, contextmanager, suppress
 from multiprocessing.connection import Connection
 from typing import Any, Final, TypedDict, TypeVar
 
-from stickslip_verification.drive.processes import discard_prints, fast_context
+from stickslip_verification.drive.processes import discard_prints, fast_context, jobs_here
 
 from ..datasets import ExtraMissingError, need
 from .store import (
@@ -57,13 +57,6 @@ _LOOK: Final = 2.0
 """Seconds between two looks at who works for a scheduler."""
 
 T = TypeVar("T")
-
-
-def cores() -> int:
-    """Return how many cores of this machine this process may use."""
-    if hasattr(os, "sched_getaffinity"):
-        return len(os.sched_getaffinity(0))
-    return os.cpu_count() or 1
 
 
 class Workers:
@@ -295,7 +288,7 @@ def run(
             key = key_of(manifest)
             stack.enter_context(begun(store, manifest, fresh=fresh))
             running = _Running(study, store, key, progress)
-            running.by(remote or running.here(workers or cores(), stack))
+            running.by(remote or running.here(workers or jobs_here(), stack))
         except OSError as error:
             raise StudyError(reason(error)) from error
         except CancelledError:

@@ -93,16 +93,19 @@ class Change(NamedTuple):
         return Change(self.factor * earlier.factor, offset, self.converts and earlier.converts)
 
 
-class System(NamedTuple):
-    """A system.
+_Node = tuple[str, str]
+"""A connector: the path of its element, empty for the whole system, and its name."""
+
+
+class _System:
+    """What an SSP file says, or stands for an FMU alone.
 
     Attributes
     ----------
     components
         Path of the FMU in the archive by name of the component, in order of the file.
-    connections
-        By the input of a component the output that drives it, and the change on the way; connectors
-        of systems between them are followed.
+    sources
+        By connector the one that drives it, and the change on the way.
     values
         Values of variables by name, as component.variable: the number as it is written, and its
         unit, empty where it has none.
@@ -110,65 +113,64 @@ class System(NamedTuple):
         Times of the default experiment [s], as a plan calls them.
     """
 
-    components: Mapping[str, str]
-    connections: Mapping[str, tuple[str, Change]]
-    values: Mapping[str, tuple[str, str]]
-    experiment: Mapping[str, float]
+    def __init__(self, path: Path, components: Mapping[str, str] | None = None) -> None:
+        self._path = path
+        self.components: dict[str, str] = {**(components or {})}
+        self.sources: dict[_Node, tuple[_Node, Change]] = {}
+        self.values: dict[str, tuple[str, str]] = {}
+        self.experiment: dict[str, float] = {}
 
+    def read(self) -> None:
+        """Read the SSP file; `SweepError` if it is none, or uses what a sweep does not support."""
+        from fmpy.ssp.ssd import read_ssd
 
-_Node = tuple[str, str]
-"""A connector: the path of its element, empty for the whole system, and its name."""
-
-
-def read_system(path: Path) -> System:
-    """Read an SSP file; `SweepError` if it is none, or uses what a sweep does not support."""
-    from fmpy.ssp.ssd import read_ssd
-
-    if not path.is_file():
-        raise SweepError(f"{path}: {'not a file' if path.exists() else 'no such file'}")
-    if not zipfile.is_zipfile(path):
-        raise SweepError(f"{path}: not an SSP file (not a zip archive)")
-    with zipfile.ZipFile(path) as archive:
-        if _STRUCTURE not in archive.namelist():
-            raise SweepError(f"{path}: not an SSP file (no {_STRUCTURE} in it)")
-        try:
-            # It checks the schemas; of connections and the experiment it reads not all. Where it
-            # fails, it leaves a file open.
-            read_ssd(BytesIO(path.read_bytes()))
-        except Exception as error:
-            raise SweepError(f"{path}: not an SSP file ({' '.join(str(error).split())})") from None
-        return _Reader(path, archive).read()
-
-
-class _Reader:
-    """What was found in a valid SSP file, by the names of `System`."""
-
-    def __init__(self, path: Path, archive: zipfile.ZipFile) -> None:
-        self._path, self._archive = path, archive
-        self._components: dict[str, str] = {}
-        self._sources: dict[_Node, tuple[_Node, Change]] = {}
-        self._values: dict[str, tuple[str, str]] = {}
-
-    def read(self) -> System:
-        root = fromstring(self._archive.read(_STRUCTURE))
-        for system in root.iterfind("ssd:System", _SPACE):
-            self._collect(system, "")
-        if not self._components:
+        if not self._path.is_file():
+            self._refuse("not a file" if self._path.exists() else "no such file")
+        if not zipfile.is_zipfile(self._path):
+            self._refuse("not an SSP file (not a zip archive)")
+        with zipfile.ZipFile(self._path) as archive:
+            if _STRUCTURE not in archive.namelist():
+                self._refuse(f"not an SSP file (no {_STRUCTURE} in it)")
+            try:
+                # It checks the schemas; of connections and the experiment it reads not all. Where
+                # it fails, it leaves a file open.
+                read_ssd(BytesIO(self._path.read_bytes()))
+            except Exception as error:
+                self._refuse(f"not an SSP file ({' '.join(str(error).split())})")
+            root = fromstring(archive.read(_STRUCTURE))
+            for system in root.iterfind("ssd:System", _SPACE):
+                self._collect(archive, system, "")
+        if not self.components:
             self._refuse("has no component")
-        inputs = [node for node in self._sources if node[0] in self._components]
-        experiment = {
-            name: float(stated.attrib[attribute])
-            for stated in root.iterfind("ssd:DefaultExperiment", _SPACE)
-            for name, attribute in (("start_time", "startTime"), ("stop_time", "stopTime"))
-            if attribute in stated.attrib
-        }
-        connections = dict(pair for node in inputs for pair in self._traced(node))
-        return System(self._components, connections, self._values, experiment)
+        for stated in root.iterfind("ssd:DefaultExperiment", _SPACE):
+            for name, attribute in (("start_time", "startTime"), ("stop_time", "stopTime")):
+                if attribute in stated.attrib:
+                    self.experiment[name] = float(stated.attrib[attribute])
+
+    def connections(self) -> Iterator[tuple[str, str, Change]]:
+        """Yield the output that drives an input of a component, that input, and the change between.
+
+        Connectors of systems between them are followed; nothing where they end at an input of the
+        whole system that nothing drives.
+        """
+        for node in self.sources:
+            at, change, seen = node, Change(), {node}
+            if node[0] not in self.components:
+                continue
+            while at in self.sources:
+                at, earlier = self.sources[at]
+                change = change.after(earlier)
+                if at in seen:
+                    self._refuse(f"{'.'.join(node)} is driven by itself")
+                seen.add(at)
+                if at[0] in self.components:
+                    yield ".".join(at), ".".join(node), change
+                    break
 
     def _refuse(self, reason: str) -> NoReturn:
         raise SweepError(f"{self._path}: {reason}")
 
-    def _collect(self, system: Element, place: str) -> None:
+    def _collect(self, archive: zipfile.ZipFile, system: Element, place: str) -> None:
         """Add what is in a system at a place, such as ``inner.``, to what was found."""
         kinds = _connectors("", system)
         for element in system.iterfind("ssd:Elements/*", _SPACE):
@@ -176,18 +178,18 @@ class _Reader:
             name = f"{place}{own}"
             kinds |= _connectors(own, element)
             if element.tag.endswith("}System"):
-                self._collect(element, f"{name}.")
+                self._collect(archive, element, f"{name}.")
             elif element.tag.endswith("}Component"):
                 if element.get("type") not in _OF_FMU:
                     self._refuse(f"the component {name} is no FMU, but {element.get('type')}")
-                self._components[name] = element.attrib["source"]
-                self._add_values(element, f"{name}.")
+                self.components[name] = element.attrib["source"]
+                self._add_values(archive, element, f"{name}.")
             else:
                 self._refuse(f"{name} is a signal dictionary, which a sweep does not read")
         for connection in system.iterfind("ssd:Connections/ssd:Connection", _SPACE):
             self._connect(connection, place, kinds)
         # What a system says of the values of its components counts before what they say.
-        self._add_values(system, place)
+        self._add_values(archive, system, place)
 
     def _connect(self, connection: Element, place: str, kinds: Mapping[_Node, str]) -> None:
         ends = [
@@ -210,7 +212,7 @@ class _Reader:
                 self._refuse(f"maps the values of {target[1]}, which a sweep does not read")
             if transformation.tag.endswith("LinearTransformation"):
                 linear = transformation.attrib
-        self._sources[_placed(place, target)] = (
+        self.sources[_placed(place, target)] = (
             _placed(place, source),
             Change(
                 float(linear.get("factor", "1")),
@@ -219,30 +221,13 @@ class _Reader:
             ),
         )
 
-    def _traced(self, node: _Node) -> Iterator[tuple[str, tuple[str, Change]]]:
-        """Yield the input of a component with the output that drives it and the change between.
-
-        Nothing where it ends at an input of the whole system that nothing drives.
-        """
-        at, change = self._sources[node]
-        seen = {node}
-        while at[0] not in self._components:
-            if at not in self._sources:
-                return
-            if at in seen:
-                self._refuse(f"{'.'.join(node)} is driven by itself")
-            seen.add(at)
-            at, earlier = self._sources[at]
-            change = change.after(earlier)
-        yield ".".join(node), (".".join(at), change)
-
-    def _add_values(self, element: Element, place: str) -> None:
+    def _add_values(self, archive: zipfile.ZipFile, element: Element, place: str) -> None:
         for binding in element.iterfind("ssd:ParameterBindings/ssd:ParameterBinding", _SPACE):
             if binding.find("ssd:ParameterMapping", _SPACE) is not None:
                 self._refuse("maps parameters, which a sweep does not read")
             sets = binding.findall("ssd:ParameterValues/ssv:ParameterSet", _SPACE)
             if source := binding.get("source"):
-                sets.insert(0, fromstring(self._archive.read(source)))
+                sets.insert(0, fromstring(archive.read(source)))
             path = "ssv:Parameters/ssv:Parameter"
             for parameter in (one for values in sets for one in values.iterfind(path, _SPACE)):
                 name = f"{place}{binding.get('prefix', '')}{parameter.get('name')}"
@@ -254,7 +239,7 @@ class _Reader:
                     self._refuse(
                         f"gives {name} the value {written!r}, and a sweep sets numbers only"
                     )
-                self._values[name] = text, parameter[0].get("unit", "")
+                self.values[name] = text, parameter[0].get("unit", "")
 
 
 def _connectors(element: str, described: Element) -> dict[_Node, str]:
@@ -319,14 +304,20 @@ class Variable(names.Variable):
                 raise QuantityError(f"has {number:g}, and the variable is of type {self.kind}")
 
 
-class Component(NamedTuple):
-    """An FMU of the model, in an SSP file at `source`, and what it is instantiated with."""
+@dataclass
+class Component:
+    """An FMU of the model, in an SSP file at `source`, and what it is instantiated with.
 
-    name: str
+    Its `path` is its name; `folder` is where it is unpacked.
+    """
+
+    path: Path
     source: str
     fmi_version: str
     token: str
-    identifier: str
+    model_identifier: str
+    variables: Mapping[str, names.Variable] = field(default_factory=dict)
+    folder: Path = Path()
 
 
 class Wire(NamedTuple):
@@ -376,10 +367,11 @@ def read_model(path: Path | str) -> Model:
     path = Path(path)
     try:
         if path.suffix.lower() != ".ssp":
-            description = Description(path)
-            experiment = {name: float(text) for name, text in description.experiment.items()}
-            return _model(path, System({path.name: ""}, {}, {}, experiment), [description])
-        system = read_system(path)
+            alone, description = _System(path, {path.name: ""}), Description(path)
+            alone.experiment = {name: float(text) for name, text in description.experiment.items()}
+            return _model(path, alone, [description])
+        system = _System(path)
+        system.read()
         check_size(path)
         with tempfile.TemporaryDirectory(prefix="stickslip-") as folder:
             unpack(path, Path(folder))
@@ -390,7 +382,7 @@ def read_model(path: Path | str) -> Model:
         raise SweepError(str(error)) from None
 
 
-def _descriptions(path: Path, system: System, folder: Path) -> Iterator[Description]:
+def _descriptions(path: Path, system: _System, folder: Path) -> Iterator[Description]:
     for name, source in system.components.items():
         if not (folder / source).is_file():
             raise SweepError(f"{path}: has no file {source}, the FMU of {name}")
@@ -401,14 +393,15 @@ def _descriptions(path: Path, system: System, folder: Path) -> Iterator[Descript
             raise SweepError(said) from None
 
 
-def _model(path: Path, system: System, descriptions: list[Description]) -> Model:
+def _model(path: Path, system: _System, descriptions: list[Description]) -> Model:
     components: list[Component] = []
     variables: dict[str, Variable] = {}
     units: dict[str, Unit] = {}
     for (name, source), of in zip(system.components.items(), descriptions, strict=True):
         before = f"{name}." if source else ""
         variables |= {one.name: one for one in _variables(len(components), before, of)}
-        components.append(Component(name, source, of.fmi_version, of.token, of.model_identifier))
+        of_fmu = of.fmi_version, of.token, of.model_identifier
+        components.append(Component(Path(name), source, *of_fmu))
         for unit, meaning in of.units.items():
             if units.setdefault(unit, meaning) != meaning:
                 raise SweepError(f"{path}: its FMUs define the unit {unit!r} differently")
@@ -452,9 +445,9 @@ def _variables(component: int, before: str, description: Description) -> Iterato
 
 
 def _wires(
-    path: Path, system: System, variables: Mapping[str, Variable], units: Mapping[str, Unit]
+    path: Path, system: _System, variables: Mapping[str, Variable], units: Mapping[str, Unit]
 ) -> Iterator[Wire]:
-    for target, (source, change) in system.connections.items():
+    for source, target, change in system.connections():
         for name in (source, target):
             if name not in variables or variables[name].obstacle:
                 why = variables[name].obstacle if name in variables else "is no variable of its FMU"
@@ -473,7 +466,7 @@ def _wires(
 
 
 def _bound(
-    path: Path, system: System, variables: Mapping[str, Variable], units: Mapping[str, Unit]
+    path: Path, system: _System, variables: Mapping[str, Variable], units: Mapping[str, Unit]
 ) -> Iterator[tuple[str, float]]:
     for name, (number, unit) in system.values.items():
         variable = variables.get(name)

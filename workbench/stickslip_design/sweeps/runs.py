@@ -13,7 +13,7 @@ from __future__ import annotations
 import contextlib
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final, NamedTuple, TypeAlias
@@ -22,7 +22,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip_verification import FmuError
-from stickslip_verification.drive import description as names
 from stickslip_verification.drive.instance import FACES, FmuInstance
 
 from .model import Model
@@ -209,18 +208,6 @@ class Runs:
         return rows
 
 
-class _File:
-    """An unpacked FMU as an instance of `stickslip_verification.drive` takes it."""
-
-    def __init__(self, study: Runs, index: int, folder: Path) -> None:
-        component = study.model.components[index]
-        self.path, self.folder = Path(component.name), folder
-        self.token, self.model_identifier = component.token, component.identifier
-        self.variables: Mapping[str, names.Variable] = {
-            one.name: one for one in study.model.variables.values() if one.component == index
-        }
-
-
 class Runner:
     """Does the runs of a sweep, whose FMUs are in folders; `FmuError` if one cannot be loaded."""
 
@@ -262,7 +249,8 @@ class Runner:
         self.close()
         study = self.study
         for index, component in enumerate(study.model.components):
-            file = _File(study, index, self._folders[index])
+            its = {n: one for n, one in study.model.variables.items() if one.component == index}
+            file = replace(component, folder=self._folders[index], variables=its)
             self._instances.append(FACES[component.fmi_version](file))
         self._used = False
         self._set_start = self._writer([*study.fixed, *study.swept])
@@ -342,7 +330,7 @@ class Runner:
     def _without_names(self, said: str) -> str:
         """Return a message without what differs from process to process."""
         for instance, component in zip(self._instances, self.study.model.components, strict=True):
-            said = said.replace(instance._name, component.name)
+            said = said.replace(instance._name, str(component.path))
         for folder in self._folders:
             said = said.replace(str(folder), "")
         return said
