@@ -10,7 +10,7 @@ from stickslip.parameters import Parameters
 @command
 def critical(
     *,
-    p: Annotated[Parameters, "m g k c mu_s mu_k tau_s B t_0 v load law own curve normal_force"],
+    p: Annotated[Parameters, "m g k c mu_s mu_k tau_s B t_0 v? load law own curve normal_force"],
     from_: str | None = None,
     to: str | None = None,
     json: bool = False,

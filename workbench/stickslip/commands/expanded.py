@@ -3,6 +3,7 @@
 import contextlib
 import functools
 import inspect
+import os
 import sys
 import tempfile
 import tomllib
@@ -46,8 +47,9 @@ def command(function: Callable[..., None]) -> Callable[..., None]:
 
     What it takes by name alone is an option, the rest are arguments; `options.toml` says what each
     means. A dataclass becomes an option for each of its fields, or for those that are named beside
-    it, parted by blanks. A mapping is written NAME=VALUE, again and again. A flag has no opposite.
-    What the function refuses ends in one line.
+    it, parted by blanks; behind a name, ``?`` says that its default is not used. A mapping is
+    written NAME=VALUE, again and again. A flag has no opposite. What the function refuses ends in
+    one line.
     """
     options: list[inspect.Parameter] = []
     made: dict[str, tuple[Any, list[str]]] = {}
@@ -62,10 +64,11 @@ def command(function: Callable[..., None]) -> Callable[..., None]:
             make = _option if parameter.kind is parameter.KEYWORD_ONLY else typer.Argument
             options.append(_typed(parameter.name, kind, parameter.default, make(**row)))
             continue
+        chosen = chosen or [each.name for each in fields(kind)]
         of_fields = [
-            _of_field(kind, each)
+            _of_field(kind, each, has_default=each.name in chosen)
             for each in fields(kind)
-            if each.init and (chosen is None or each.name in chosen)
+            if each.init and (each.name in chosen or f"{each.name}?" in chosen)
         ]
         made[parameter.name] = (kind, [each.name for each in of_fields])
         options += of_fields
@@ -104,7 +107,7 @@ def _option(names: Sequence[str] = (), **row: Any) -> Any:
     return info
 
 
-def _of_field(kind: Any, field: Field[Any]) -> inspect.Parameter:
+def _of_field(kind: Any, field: Field[Any], *, has_default: bool) -> inspect.Parameter:
     """Return the option of a field of a dataclass; a quantity is typed as a text."""
     quantity = vars(kind).get(field.name)
     if not isinstance(quantity, Quantity):
@@ -115,9 +118,10 @@ def _of_field(kind: Any, field: Field[Any]) -> inspect.Parameter:
     text, row = "--" + field.name.replace("_", "-"), quantity.variable
     unit = "" if row.unit == "1" else f" [{row.unit}]"
     limits = "" if row.minimum is None else f", {row.range}"
+    start = f"default {row.start:g}" if has_default else "no default"
     info = _option(
         sorted({text, text.lower()} if len(field.name) > 1 else {text}),
-        help=f"{row.description}{unit}{limits}; default {row.start:g}.",
+        help=f"{row.description}{unit}{limits}; {start}.",
         metavar="VALUE",
         rich_help_panel=_PANELS[row.causality],
     )
@@ -134,9 +138,18 @@ def _typed(name: str, kind: Any, default: Any, info: Any) -> inspect.Parameter:
         kind, default = list[str] | None, None
     elif kinds == {float, str}:
         kind = str | None
+    elif kinds == {Path} and "DIR" not in (info.metavar or ""):
+        info.parser = _file
     return inspect.Parameter(
         name, inspect.Parameter.KEYWORD_ONLY, default=default, annotation=Annotated[kind, info]
     )
+
+
+def _file(text: str | Path) -> Path:
+    """Return the file that is named; what ends as a folder does is none, unless there is one."""
+    if str(text).endswith(("/", os.sep)) and not Path(text).is_dir():
+        raise typer.BadParameter(f"{text}: there is no such folder; name a file")
+    return Path(text)
 
 
 def _standard_input(stack: contextlib.ExitStack) -> Path:

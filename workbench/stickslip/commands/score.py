@@ -19,7 +19,10 @@ def score(
     force: str | None = None,
     json: bool = False,
 ) -> None:
-    """Compare a curve from any tool with the exact cycle, and say why it differs."""
+    """Compare a curve from any tool with the exact cycle, and say why it differs.
+
+    The exit code is 0 whatever is found; --json names the cause.
+    """
     from stickslip.judgements import score as scored
 
     found = scored(curve, p, time=time, x=x, x_dot=x_dot, force=force)

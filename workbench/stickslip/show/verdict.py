@@ -213,10 +213,11 @@ def _short_table(results: Sequence[CheckResult]) -> Table:
 
 
 def case_table(cases: Sequence[Case]) -> RenderableType:
-    """Make the list of cases: id, number of checks and title."""
-    rows = ((case.id, str(len(case.checks)), case.title) for case in cases)
+    """Make the list of cases: id, friction law, number of checks and title."""
+    rows = ((case.id, case.law, str(len(case.checks)), case.title) for case in cases)
     title = f"{len(cases)} cases"
-    return Fitted([grid(("case", "checks", "what"), rows, texts=(0, 2), title=title)])
+    names = ("case", "friction law", "checks", "what")
+    return Fitted([grid(names, rows, texts=(0, 1, 3), title=title)])
 
 
 def _number(value: float | None, form: str) -> str:

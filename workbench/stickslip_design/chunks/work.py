@@ -108,7 +108,9 @@ def changes(old: Manifest, new: Manifest) -> str:
     """Return in what another study or its versions differ, in words; empty if in nothing."""
     was, now = (dict(_leaves(_decisive(manifest))) for manifest in (old, new))
     names = [name for name in {**now, **was} if now.get(name) != was.get(name)]
-    words = [f"{name} is {_shown(now, name)} and was {_shown(was, name)}" for name in names]
+    words = [
+        "{} is {} and was {}".format(name, *_shown(now.get(name), was.get(name))) for name in names
+    ]
     more = f", and {len(words) - _SHOWN} more" if len(words) > _SHOWN else ""
     return "; ".join(words[:_SHOWN]) + more
 
@@ -122,9 +124,15 @@ def _leaves(value: Any, name: str = "") -> Iterator[tuple[str, str]]:
         yield name, json.dumps(value)
 
 
-def _shown(values: Mapping[str, str], name: str) -> str:
-    text = values.get(name, "not given")
-    return text if len(text) <= _LONGEST else f"{text[: _LONGEST - 3]}..."
+def _shown(*values: str | None) -> Iterator[str]:
+    """Give two texts, cut to where they differ."""
+    texts = ["not given" if value is None else value for value in values]
+    pairs = enumerate(zip(*texts, strict=False))
+    same = next((i for i, (one, other) in pairs if one != other), min(map(len, texts)))
+    start = max(0, same - _LONGEST // 2)
+    for text in texts:
+        end = start + _LONGEST
+        yield ("..." if start else "") + text[start:end] + ("..." if end < len(text) else "")
 
 
 def read_manifest(store: Store) -> Manifest | None:

@@ -266,8 +266,9 @@ def axis_source(file: AxisFile, over: Sequence[Dimension], feed: float | None) -
         point[FEED] = first
     closed = axis_has_closed_form(file.axis())
     at = "" if feed is None else f" at {told(feed, 'm/s')}"
+    name = file.values.get("axis.name", f"Axis {Path(file.name).stem}")
     return Source(
-        title=f"Axis {Path(file.name).stem}{at}",
+        title=f"{name}{at}",
         # One axis answers for all feeds.
         fastest=FEED,
         by_slips=False,
