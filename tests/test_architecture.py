@@ -23,6 +23,7 @@ OUTSIDE = {
     "stickslip_fmu": "",
     "stickslip_native": "",
     "stickslip_ref": "numpy scipy",
+    "stickslip_units": "numpy",
     "stickslip_verification": "numpy scipy mpmath fmpy pydantic pydantic_core lazy_loader jinja2 "
     "markupsafe matplotlib",
     "stickslip_verification.truth": "mpmath",

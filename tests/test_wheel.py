@@ -26,6 +26,7 @@ PACKAGES = (
     "stickslip_native",
     "stickslip_ref",
     "stickslip_score",
+    "stickslip_units",
     "stickslip_verification",
 )
 

@@ -4,7 +4,7 @@ import math
 
 import pytest
 
-from stickslip_design.quantity import on_data_sheet
+from stickslip_units import on_data_sheet
 
 
 @pytest.mark.parametrize(

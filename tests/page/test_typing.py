@@ -3,7 +3,7 @@
 from decimal import Decimal, localcontext
 from random import Random
 
-from stickslip_design.quantity import KINDS, QuantityError, typed
+from stickslip_units import KINDS, QuantityError, typed
 from tests.page.window import SI, Window
 
 NONSENSE = {

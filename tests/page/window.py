@@ -10,7 +10,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from stickslip_design.quantity import typed as read
+from stickslip_units import typed as read
 from tests.page.browser import watched
 
 if TYPE_CHECKING:

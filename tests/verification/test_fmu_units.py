@@ -7,9 +7,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from stickslip_verification import spelled
+from stickslip_units import Dimension, Unit, conversion, defined, spelled
 from stickslip_verification.drive.description import UNITS
-from stickslip_verification.model.units import Dimension, Unit, conversion, defined
 
 LENGTH: Dimension = (0, 1, 0, 0, 0, 0, 0, 0)
 SPELLINGS = """

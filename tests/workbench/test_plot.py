@@ -14,7 +14,7 @@ from stickslip.errors import CommandError
 from stickslip.parameters import Parameters
 from stickslip.runs import Experiment, Run, fitting_interval, sample_times, simulate_reference
 from stickslip.show.plot import curve, figure, stick_phases, write_plot
-from stickslip_design.shown import scale_for
+from stickslip_units import scale_for
 from stickslip_verification import events_between
 
 

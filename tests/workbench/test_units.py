@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from stickslip_design.quantity import KINDS, QuantityError, typed
+from stickslip_units import KINDS, QuantityError, typed
 
 UNITS = ("kg", "m", "s", "m/s", "m/s2", "N", "N/m", "N.s/m", "1")
 

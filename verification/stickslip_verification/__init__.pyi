@@ -7,11 +7,6 @@ from .drive.description import load_names as load_names
 from .drive.processes import Limits as Limits
 from .drive.starter import starter as starter
 from .model.data_file import replacing as replacing
-from .model.units import UNIT_PREFIXES as UNIT_PREFIXES
-from .model.units import UNITS_ALONE as UNITS_ALONE
-from .model.units import UNITS_WITH_PREFIX as UNITS_WITH_PREFIX
-from .model.units import Unit as Unit
-from .model.units import spelled as spelled
 from .model.verdict import CheckResult as CheckResult
 from .model.verdict import Event as Event
 from .model.verdict import KillMatrix as KillMatrix

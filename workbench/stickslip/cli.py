@@ -42,7 +42,7 @@ def advised(refusal: str, words: Sequence[str]) -> str:
 
 def _on_a_unit_apart(words: Sequence[str]) -> str:
     """Say how to write a quantity whose unit the shell has made a word of its own."""
-    from stickslip_verification import spelled
+    from stickslip_units import spelled
 
     for number, unit in pairwise(words):
         if number[-1:].isdigit() and unit != "1" and spelled(unit, all_below=True) is not None:

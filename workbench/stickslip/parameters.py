@@ -8,10 +8,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
 from fmi.model import ModelError
-from stickslip_design.quantity import QuantityError, typed
 from stickslip_fmu.interface import FIRST_OWN, table_of
 from stickslip_fmu.laws.named import COULOMB_NAME, friction_law
 from stickslip_fmu.spec import TABLE, spec_of
+from stickslip_units import QuantityError, typed
 
 if TYPE_CHECKING:
     from fmi.table import Table, Variable

@@ -18,7 +18,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Final, NamedTuple
 
-from .quantity import QuantityError, parts_of, typed
+from stickslip_units import QuantityError, parts_of, typed
 
 SPEEDS: Final = ("speed", "velocity", "v", "u", "x_dot")
 COEFFICIENTS: Final = ("mu", "coefficient", "friction_coefficient", "cof")

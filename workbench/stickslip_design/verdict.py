@@ -11,12 +11,12 @@ from dataclasses import dataclass
 from typing import Final
 
 from stickslip_ref import EVEN, CriticalVelocity, Interval, Regime
+from stickslip_units import EXACT, number, per_minute, shown_in, told
 
 from .axis import Axis
 from .critical import Record
 from .loop.rest import Hunting
 from .loop.stability import GainLimits, Response, Swing, gain_limits
-from .shown import EXACT, number, per_minute, shown_in, told
 
 WORTHWHILE: Final = 10.0
 """A change by more than this factor is no cure worth naming first."""

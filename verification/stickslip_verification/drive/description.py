@@ -21,9 +21,10 @@ import fmpy.model_description
 from pydantic import BeforeValidator
 from pydantic.dataclasses import dataclass as model
 
+from stickslip_units import Conversion, Unit, conversion, defined, spelled
+
 from ..model.data_file import WRITTEN, DataError, DataFile, Written
 from ..model.quantities import OUTPUT_NAMES, QUANTITIES
-from ..model.units import Conversion, Unit, conversion, defined, spelled
 from ..truth.parameters import PARAMETERS, Parameter
 
 

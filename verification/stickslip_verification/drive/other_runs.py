@@ -7,8 +7,9 @@ from dataclasses import dataclass, replace
 from functools import cached_property, partial
 from typing import TYPE_CHECKING
 
+from stickslip_units import spelled
+
 from ..model.quantities import OUTPUTS, Quantity
-from ..model.units import spelled
 from ..model.verdict import Run
 from ..truth.parameters import PARAMETERS, Parameter
 from .description import Variable

@@ -22,8 +22,9 @@ from typing import Any, Final
 import numpy as np
 from scipy.optimize import linear_sum_assignment
 
+from stickslip_units import Unit
+
 from ..model.quantities import QUANTITIES
-from ..model.units import Unit
 from ..model.verdict import Run, Series
 from ..suite.cases import Case
 from ..truth.parameters import PARAMETERS, Kind

@@ -15,10 +15,9 @@ from urllib.parse import urljoin
 
 from jinja2 import Environment, FunctionLoader, StrictUndefined
 
-from stickslip_design.quantity import KINDS
 from stickslip_fmu.release import VERSION
 from stickslip_fmu.spec import TABLE
-from stickslip_verification import UNIT_PREFIXES, UNITS_ALONE, UNITS_WITH_PREFIX
+from stickslip_units import KINDS, UNIT_PREFIXES, UNITS_ALONE, UNITS_WITH_PREFIX
 
 _IMPORT: Final = re.compile(r'^import \{[^}]*\} from "(?P<path>\.[^"]*)";\n', re.MULTILINE)
 _EXPORT: Final = re.compile(r"^export (?=(?:async )?(?:function|const|class)\b)", re.MULTILINE)

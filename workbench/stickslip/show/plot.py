@@ -20,8 +20,8 @@ from scipy.interpolate import CubicHermiteSpline
 
 from stickslip.files import check_drawable, write
 from stickslip.runs import Floats, Run
-from stickslip_design.shown import Scale, scale_for
 from stickslip_ref import Interval
+from stickslip_units import Scale, scale_for
 
 _BLUE: Final = "#1b6ca8"
 _GREY: Final = "#8d939c"

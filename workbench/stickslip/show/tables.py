@@ -16,7 +16,7 @@ from rich.segment import Segment
 from rich.table import Table
 from rich.text import Text
 
-from stickslip_design.shown import scale_for
+from stickslip_units import scale_for
 
 if TYPE_CHECKING:
     import xarray

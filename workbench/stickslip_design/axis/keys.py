@@ -15,8 +15,8 @@ from pathlib import Path
 from typing import Any, Final
 
 from stickslip_ref import COULOMB, STRIBECK
+from stickslip_units import KINDS, Kind, Units, on_data_sheet
 
-from ..quantity import KINDS, Kind, Units, on_data_sheet
 from .model import STANDARD_GRAVITY, AxisError
 
 _OF_DRIVES: Final = (

@@ -46,7 +46,7 @@ _FORMAT: Final = "stickslip study 1"
 _FIELDS: Final = {"format", "identity", "versions", "count", "quantum", "command", "begun"}
 _PACKAGES: Final = (
     *("fmi", "stickslip_design", "stickslip_fmu", "stickslip_native"),
-    *("stickslip_ref", "stickslip_score", "stickslip_verification"),
+    *("stickslip_ref", "stickslip_score", "stickslip_units", "stickslip_verification"),
 )
 """Our packages that results are computed by."""
 _SHOWN: Final = 3

@@ -23,11 +23,11 @@ from numpy.typing import NDArray
 from PIL import Image
 
 from stickslip_fmu.release import VERSION
+from stickslip_units import Scale, number
 from stickslip_verification.report.files import environment, text_of
 from stickslip_verification.report.svg import INK, ORANGE, STYLE
 
 from ..points.columns import Regime
-from ..shown import Scale, number
 from .views import VALID, Side, View, colours, contours
 
 if TYPE_CHECKING:

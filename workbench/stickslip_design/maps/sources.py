@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fmi.table import Variable
+from stickslip_units import EXACT, QuantityError, parse_range, told, typed
 
 from ..axis import AxisFile, Number
 from ..axis.keys import key_of
@@ -23,8 +24,6 @@ from ..points.axes import axis_points, check, read_number
 from ..points.axes import has_closed_form as axis_has_closed_form
 from ..points.blocks import WITHOUT_INFLUENCE, block_points, has_closed_form, table_of_law
 from ..points.columns import AXIS, BLOCK, FEED, WITHOUT_FEED, Column
-from ..quantity import QuantityError, parse_range, typed
-from ..shown import EXACT, told
 
 Values: TypeAlias = Mapping[str, NDArray[np.float64]]
 Columns: TypeAlias = Mapping[str, NDArray[np.generic]]

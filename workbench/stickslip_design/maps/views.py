@@ -15,10 +15,10 @@ from contourpy import contour_generator
 from matplotlib.colors import LogNorm, Normalize
 from numpy.typing import ArrayLike, NDArray
 
+from stickslip_units import Scale, on_data_sheet, scale_for
+
 from ..datasets import need
 from ..points.columns import Regime
-from ..quantity import on_data_sheet
-from ..shown import Scale, scale_for
 from .study import SLAB, boxes
 
 if TYPE_CHECKING:

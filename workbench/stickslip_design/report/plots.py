@@ -20,10 +20,10 @@ from matplotlib.ticker import (
     NullLocator,
 )
 
+from stickslip_units import EXACT, number, shown_in
 from stickslip_verification.report.svg import BLUE, INK, ORANGE, STYLE
 
 from ..loop.stability import Cut, Response
-from ..shown import EXACT, number, shown_in
 from ..verdict import Verdict
 from .tables import CUTS, MOTIONS, Motion, Range, motions
 

@@ -7,10 +7,11 @@ from collections.abc import Iterator, Sequence
 from itertools import pairwise
 from typing import Any, Final, Literal, NamedTuple
 
+from stickslip_units import EXACT, NONE, decibels, number, per_minute, shown_in, told
+
 from ..axis import Axis, Filter
 from ..axis.keys import KEYS
 from ..loop.stability import Cut
-from ..shown import EXACT, NONE, decibels, number, per_minute, shown_in, told
 from ..verdict import AxisCure, Verdict, ranges_in_words
 
 Tone = Literal["good", "warn", "bad"]

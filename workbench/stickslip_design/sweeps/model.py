@@ -19,14 +19,13 @@ from pathlib import Path
 from typing import Final, NamedTuple, NoReturn
 from xml.etree.ElementTree import Element, fromstring
 
-from stickslip_verification import FmuError, Unit
+from stickslip_units import Conversion, QuantityError, Unit, on_data_sheet
+from stickslip_verification import FmuError
 from stickslip_verification.drive import description as names
 from stickslip_verification.drive.description import NUMBERS, Description, check_size, unpack
 from stickslip_verification.drive.instance import FLOATING
-from stickslip_verification.model.units import Conversion
 
 from ..chunks import StudyError
-from ..quantity import QuantityError, on_data_sheet
 
 
 class SweepError(StudyError):

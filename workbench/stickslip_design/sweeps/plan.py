@@ -31,9 +31,9 @@ from typing import Annotated, Any, Final, TypeAlias
 from pydantic import AfterValidator, BeforeValidator, Field
 from pydantic.dataclasses import dataclass
 
+from stickslip_units import BETWEEN, QuantityError, typed
 from stickslip_verification.model.data_file import WRITTEN, DataError, DataFile, Written
 
-from ..quantity import BETWEEN, QuantityError, typed
 from .model import Model, SweepError, Variable
 from .runs import REDUCTIONS
 

@@ -21,11 +21,10 @@ from typing import Any, Final, NamedTuple, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip_verification import Unit
+from stickslip_units import BETWEEN, QuantityError, Unit, parse_range, parts_of
 
 from ..curve_file import csv_lines
 from ..datasets import need
-from ..quantity import BETWEEN, QuantityError, parse_range, parts_of
 from .model import Model, SweepError, Variable, in_unit
 from .plan import PlanFile, Scalar, is_tabular, nearest
 from .runs import column_of, reduces

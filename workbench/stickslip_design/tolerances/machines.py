@@ -37,12 +37,13 @@ from numpy.typing import NDArray
 from scipy import stats
 from scipy.special import ndtr, ndtri
 
+from stickslip_units import QuantityError, parts_of
+
 from ..axis import AxisError, AxisFile, Number
 from ..axis.keys import UNITS, key_of
 from ..chunks import Columns
 from ..points.axes import axis_points, check, has_closed_form, read_number
 from ..points.columns import WITHOUT_FEED
-from ..quantity import QuantityError, parts_of
 
 Floats = NDArray[np.float64]
 SpreadIs = Literal["uniform", "normal"]

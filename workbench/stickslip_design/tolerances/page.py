@@ -15,12 +15,12 @@ from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 from numpy.typing import NDArray
 
 from stickslip_fmu.release import VERSION
+from stickslip_units import EXACT, number
 from stickslip_verification.report.files import environment, text_of
 from stickslip_verification.report.svg import BLUE, GREY, INK, ORANGE, STYLE
 
 from ..points.columns import Regime
 from ..report.page import drawn, plain
-from ..shown import EXACT, number
 from . import words
 from .statistics import interval
 from .study import Scatter

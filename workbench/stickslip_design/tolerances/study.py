@@ -12,13 +12,14 @@ from typing import TYPE_CHECKING, Any, Final, Unpack
 import numpy as np
 from numpy.typing import NDArray
 
+from stickslip_units import QuantityError
+
 from ..axis import AxisFile, AxisSource, read_axis_file
 from ..axis.keys import KEYS, UNITS
 from ..chunks import Columns, Computing, Results, Study, run
 from ..datasets import need, provenance
 from ..points.axes import check, has_closed_form
 from ..points.columns import AXIS, Regime
-from ..quantity import QuantityError
 from ..report.page import plain
 from .machines import Population, Samples, SpreadIs, range_of, varying
 from .statistics import (

@@ -6,9 +6,10 @@ import math
 from collections.abc import Iterator
 from typing import Final
 
+from stickslip_units import EXACT, NONE, number, per_minute, told
+
 from ..points.axes import check
 from ..report.tables import Grid
-from ..shown import EXACT, NONE, number, per_minute, told
 from .machines import Distribution
 from .statistics import Indices, Probability, probability
 from .study import Outcome, Scatter

@@ -14,7 +14,7 @@ from fractions import Fraction
 from functools import partial
 from typing import TYPE_CHECKING, Final, TypeAlias
 
-from stickslip_verification import Unit, spelled
+from .units import Unit, spelled
 
 if TYPE_CHECKING:
     import numpy as np
@@ -176,7 +176,7 @@ _FACTOR: Final = re.compile(r"(?P<symbol>[^\W\d_²³]+)(?P<power>\^?[+-]?\d{1,2}
 def on_data_sheet(text: str) -> Unit | None:
     """Read a unit as drawings and data sheets write it; None if it is not understood.
 
-    Beyond `stickslip_verification.spelled` a blank multiplies, or nothing at all (``kg cm2``,
+    Beyond `units.spelled` a blank multiplies, or nothing at all (``kg cm2``,
     ``kgcm²``, ``Nm``), round brackets group, everything after the first stroke stands below it
     (``m/min/mm``), and what turns has units: ``rad``, ``turn``, ``rpm``, ``Hz``, ``lines/turn``.
     """
