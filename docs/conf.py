@@ -7,6 +7,7 @@ import os
 import re
 import subprocess
 import sys
+from contextlib import suppress
 from pathlib import Path
 
 from docutils import nodes
@@ -70,7 +71,12 @@ def displayed(site: HTML5Translator, node: nodes.math_block) -> None:
 
 
 def make(app: Sphinx) -> None:
-    """Write what the commands say of themselves, and the live page."""
+    """Write what the commands say of themselves, the live page, and the project to download."""
+    archive = ("git", "archive", "--prefix=stickslip/", "-o", MADE / "page" / "stickslip.zip")
+    # A copy of the project that is no clone has no such archive; then nothing points to it.
+    with suppress(OSError, subprocess.CalledProcessError):
+        subprocess.run([*archive, "HEAD"], cwd=MADE.parents[1], check=True)
+        app.tags.add("archive")
     live = f"{html_baseurl.rstrip('/')}/explore.html" if html_baseurl else ""
     for words in (
         ("typer", "stickslip.cli", "utils", "docs", "--output", MADE / "command.md"),
