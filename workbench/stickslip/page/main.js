@@ -173,14 +173,15 @@ function cover() {
 function takeAddress(event) {
   // The address bar may have been written since.
   const { hash } = event ? new URL(event.newURL) : location;
+  const [step, ...rest] = hash.split("&");
   linked = true;
-  const taken = story.take(hash, Boolean(event));
+  const taken = story.take(step, Boolean(event));
   linked = false;
-  if (taken) return;
+  if (taken && !rest.length) return;
   // A jump to a place in the page asks for nothing, and must not cost the setting.
   if (byId(hash.slice(1))) return address.write(place());
-  const { values, bad, points } = valuesIn(hash);
-  const problems = bad.map((part) => `${part} is no number.`);
+  const { values, bad, points } = valuesIn(taken ? `#${rest.join("&")}` : hash);
+  const problems = bad.map((part) => `${part} is no number in SI, such as v=0.02.`);
   for (const [name, value] of Object.entries(values)) {
     const objection = controls.objectionTo(name, value);
     if (!objection) continue;
@@ -189,14 +190,16 @@ function takeAddress(event) {
   }
   seen.release();
   ghost = null;
-  // What the address leaves out is as at the start, whatever was shown before.
-  for (const [wanted, bent] of [[controls.starts, null], [data.setting], [values, points]]) {
+  // What the address leaves out is as in its step, or at the start, whatever was shown before.
+  const before = taken ? [] : [[controls.starts, null], [data.setting]];
+  for (const [wanted, bent] of [...before, [values, points]]) {
     try {
       setAll(wanted, bent);
     } catch (error) {
       problems.push(error.message);
     }
   }
+  if (taken) setTimeout(() => byId(step.slice(1)).scrollIntoView());
   const complaint = `The address asks for what cannot be: ${problems.join(" ")}`;
   setText(byId("address-said"), problems.length ? complaint : "");
 }

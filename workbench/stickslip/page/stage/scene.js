@@ -40,7 +40,8 @@ export function makeScene(svg) {
       for (const part of parts) {
         put(part, { transform: `${places[part.dataset.part] ?? ""}${size}` });
       }
-      write(caption, CAPTION_LETTER * said.length < width ? said : "", 8, 14);
+      const fits = ground - tall >= 70 && CAPTION_LETTER * said.length < width;
+      write(caption, fits ? said : "", 8, 14);
     },
   };
 }

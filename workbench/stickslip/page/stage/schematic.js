@@ -8,8 +8,8 @@ import { makeGauge } from "./gauge.js";
 import { makeRuler } from "./ruler.js";
 import { makeScene } from "./scene.js";
 
-/** Pixels: left of the block, for the grip with its arrow, below the ground. */
-const ROOM = { left: 22, pull: 74, below: 34 };
+/** Pixels: left of the block, for the grip with its arrow, below the ground, for gauge and caption. */
+const ROOM = { left: 22, pull: 74, below: 34, gauge: 56, caption: 18 };
 
 /** A jump is seen as one where it is this long, in heights of the drawing. */
 const SEEN = 1.5;
@@ -77,11 +77,12 @@ export function makeSchematic(svg) {
 
 /** @type {(motion: Motion, seen: Stretch, width: number, height: number, shape: Shape) => Layout} */
 function layoutOf(motion, seen, width, height, { wide, high, round }) {
-  const tall = Math.min(Math.max(Math.min(0.4 * height, width / 6 / wide), 30), 96);
+  const ground = height - ROOM.below;
+  const room = ground - ROOM.gauge - (width > 620 ? ROOM.caption : 0);
+  const tall = Math.min(Math.max(Math.min(0.4 * height, room, width / 6 / wide), 30), 96);
   const [block, body] = [wide * tall, high * tall];
   const shortest = Math.min(Math.max(width / 22, 30), 54);
   const free = Math.max(width - ROOM.left - block - shortest - ROOM.pull, 40);
-  const ground = height - ROOM.below;
   let { way } = seen;
   let { base, most, end } = reachOf(motion, seen, way);
   // Where the picture is narrow it holds fewer jumps, so that each is seen as one.
