@@ -30,8 +30,7 @@ def address(window: Window, begin: str) -> None:
 
 def dotted(window: Window) -> Any:
     window.drawn()
-    ghosts = "document.querySelectorAll('.curve.ghost')"
-    return window.js(f"[...{ghosts}].map(each => each.getAttribute('d') ?? '')")
+    return window.js("[...document.querySelectorAll('.ghost')].map(e => e.getAttribute('d') ?? '')")
 
 
 def test_the_story_waits_until_it_is_started_and_leads_through_its_steps(window: Window) -> None:
@@ -77,6 +76,8 @@ def test_any_step_is_opened_by_its_link_and_left_by_what_is_tried(window: Window
     window.press("k", "ArrowRight")
     address(window, "k=")
     assert open_steps(window) == [9]
+    window.open("step=4&v=0.05")
+    assert (window.setting, open_steps(window)) == ({**STEPS[4], "v": 0.05}, [4])
     for wrong in ("step=0", "step=99", "step=x"):
         window.open(wrong)
         assert "step" in window.text("#address-said")
@@ -100,17 +101,16 @@ def test_the_story_is_read_on_paper_and_without_a_script(
 def test_the_entry_of_an_application_and_its_preset_belong_together(window: Window) -> None:
     def unfolded() -> Any:
         window.drawn()
-        opened = "document.querySelectorAll('details[id^=application-][open]')"
-        return window.js(f"[...{opened}].map(each => each.id.slice('application-'.length))")
+        return window.js("[...document.querySelectorAll('.application[open]')].map(e => e.id)")
 
-    assert unfolded() == ["default"]
+    assert unfolded() == ["application-default"]
     for name in APPLICATIONS:
         if name != "default":
             window.page.press(f"#application-{name} summary", "Enter")
-        assert unfolded() == [name]
+        assert unfolded() == [f"application-{name}"]
         assert window.setting == PRESETS[name]
     window.preset("default")
-    assert unfolded() == ["default"]
+    assert unfolded() == ["application-default"]
 
 
 def test_a_countermeasure_does_what_it_says_from_any_setting(window: Window) -> None:
