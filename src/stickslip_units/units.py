@@ -5,14 +5,12 @@ not 0.001 as a double: a value then suffers one rounding on its way to SI and on
 """
 
 import re
+import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass
 from fractions import Fraction
 from pathlib import Path
-
-from pydantic.dataclasses import dataclass as model
-
-from .data_file import WRITTEN, DataError, DataFile, Written
+from typing import Final
 
 Dimension = tuple[int, ...]
 """Exponents of kg, m, s, A, K, mol, cd, rad, in the order of an FMU's BaseUnit."""
@@ -56,17 +54,13 @@ class Conversion:
         return moved * self.denominator / self.numerator
 
 
-@model(frozen=True, config=WRITTEN)
-class _Tables(Written):
-    prefixed: Mapping[str, tuple[Fraction, Dimension]]
-    alone: Mapping[str, tuple[Fraction, Dimension]]
-    prefixes: Mapping[str, Fraction]
-
-
-_TABLES: _Tables = DataFile(Path(__file__).with_suffix(".toml"), DataError).read(_Tables)
-UNITS_WITH_PREFIX, UNITS_ALONE = _TABLES.prefixed, _TABLES.alone
+_TABLES: Final = tomllib.loads(Path(__file__).with_suffix(".toml").read_text("utf-8"))
+UNITS_WITH_PREFIX, UNITS_ALONE = (
+    {symbol: (Fraction(factor), tuple(of)) for symbol, (factor, of) in _TABLES[table].items()}
+    for table in ("prefixed", "alone")
+)
 """Factor and dimension of the units that take a prefix, and that take none, by symbol."""
-UNIT_PREFIXES = _TABLES.prefixes
+UNIT_PREFIXES = {symbol: Fraction(factor) for symbol, factor in _TABLES["prefixes"].items()}
 """Factors of the prefixes, by symbol."""
 
 _BY_SYMBOL: Mapping[str, tuple[Fraction, Dimension]] = {
