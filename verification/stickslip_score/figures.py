@@ -731,17 +731,16 @@ def figures_of(sticks: Sequence[Stick], allowed: float) -> Figures:
         values["t_stick"] = _mean([_between(*events) for events in rests], len(rests))
     if slips:
         values["t_slip"] = _mean([_between(end, begin) for *_, end, begin in slips], len(slips))
-        levels = [_level_resolution(stick) for a, b, *_ in slips for stick in (a, b)]
+        # The level of a stick that creeps may be off by half the creep.
+        levels = [
+            0.25 * abs(stick.creep) * (stick.end.low - stick.begin.high)
+            for a, b, *_ in slips
+            for stick in (a, b)
+            if not stick.rests and stick.begin and stick.end and stick.creep
+        ]
         resolution = 2.0 * allowed * len(slips) + sum(levels)
         values["delta_x"] = (sum(jumps) / len(jumps), resolution / len(slips))
     return Figures(values, len(rests), jumps)
-
-
-def _level_resolution(stick: Stick) -> float:
-    """How far the level may be off [m]: by half the creep."""
-    if stick.rests or not (stick.begin and stick.end and stick.creep):
-        return 0.0
-    return 0.25 * abs(stick.creep) * (stick.end.low - stick.begin.high)
 
 
 def _between(begin: Event, end: Event) -> tuple[float, float]:

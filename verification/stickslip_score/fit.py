@@ -107,7 +107,12 @@ class Fit:
         shown += ["t_slip", "delta_x"] if since >= values["t_slip"] else []
         _, *free = self.spread
         by_digits = [self._reach({name: 2.0 * self.spread[name]}) for name in free]
-        by_noise = [self._reach(move) for move in self._independent()] if self.part.noisy else []
+        by_noise = []
+        if self.part.noisy:
+            # Moves of D, w, zeta that noise makes independently of each other.
+            sizes, axes = np.linalg.eigh(self.covariance[1:, 1:])
+            moves = (axes * (_DEVIATIONS * np.sqrt(np.maximum(sizes, 0.0)))).T.tolist()
+            by_noise = [self._reach(dict(zip(free, move, strict=True))) for move in moves]
         resolved = {}
         for name in shown:
             resolution = sum(reach[name] for reach in by_digits)
@@ -115,13 +120,6 @@ class Fit:
             resolution += _FLOOR * values["period" if name != "delta_x" else "delta_x"]
             resolved[name] = values[name], resolution
         return Figures(resolved, cycles)
-
-    def _independent(self) -> list[dict[str, float]]:
-        """Return moves of D, w, zeta that noise makes independently of each other."""
-        _, *free = self.spread
-        sizes, axes = np.linalg.eigh(self.covariance[1:, 1:])
-        columns = (axes * (_DEVIATIONS * np.sqrt(np.maximum(sizes, 0.0)))).T
-        return [dict(zip(free, column.tolist(), strict=True)) for column in columns]
 
     def _reach(self, move: Mapping[str, float]) -> dict[str, float]:
         """Return how far a move either way shifts the figures; NaN where no cycle is left."""

@@ -100,7 +100,12 @@ def _with_rounding(columns: Mapping[str, Floats], units: Mapping[str, float]) ->
     """Make a curve of columns as printed, with their units by quantity, and count their digits."""
     fields: dict[str, Any] = {}
     for name, column in columns.items():
-        half = _half_unit_of_time(column) if name == "t" else half_unit(column)
+        half = half_unit(column)
+        if name == "t":
+            # Steps of 0.1 s hit an even grid to the last bit.
+            even = np.linspace(column[0], column[-1], column.size)
+            scatter = float(np.max(np.abs(column - even)))
+            half = scatter if scatter < _ON_THE_GRID * half else half
         fields |= {name: column * units[name], f"{name}_rounding": half * units[name]}
     return Curve(**fields)
 
@@ -147,13 +152,6 @@ def _count_step(column: Floats) -> float:
         if parts[0] == least:
             break
     return float(parts[0])
-
-
-def _half_unit_of_time(t: Floats) -> float:
-    """Return `half_unit` of times; 0 for an even grid, which steps of 0.1 s hit to the last bit."""
-    scatter = float(np.max(np.abs(t - np.linspace(t[0], t[-1], t.size))))
-    printed = half_unit(t)
-    return scatter if scatter < _ON_THE_GRID * printed else printed
 
 
 def read_curve(path: Path | str, names: Mapping[str, str] | None = None) -> Curve:

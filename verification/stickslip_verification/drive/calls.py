@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from ..model.quantities import OUTPUT_NAMES, OUTPUTS, QUANTITIES, first_load_up
+from ..model.quantities import FORMULAS, OUTPUT_NAMES, OUTPUTS, QUANTITIES
 from ..model.verdict import Series
 from ..truth.parameters import PARAMETERS, START_VALUES, Kind, complete
 from . import masters
@@ -188,7 +188,7 @@ def steps_onto_restick(
 def starts_at(fmu: FmuFile, time: float) -> list[str]:
     """Complain if `t_event` does not count from the start time [s]."""
     need(fmu, ["t_event"])
-    first = time + float(first_load_up(complete({})))
+    first = time + float(FORMULAS["first_load_up"](complete({})))
     with calling(fmu, [{"start": time}]) as caller:
         begin = caller.row()["t_event"]
         rows = caller.play([{"step": 0.001, "times": 300}])

@@ -10,7 +10,7 @@ import re
 import tempfile
 import xml.etree.ElementTree as ElementTree
 import zipfile
-from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass, field
 from operator import attrgetter
 from pathlib import Path
@@ -55,26 +55,23 @@ def check_size(path: Path) -> None:
     """Refuse an FMU that unpacks, by what it says, to more than the limits; `FmuError`."""
     with zipfile.ZipFile(path) as archive:
         entries = archive.infolist()
-    for excess in _excesses(entries, path.stat().st_size):
-        raise FmuError(f"{path}: {excess}")
-
-
-def _excesses(entries: Sequence[zipfile.ZipInfo], packed: int) -> Iterator[str]:
     total = sum(entry.file_size for entry in entries)
     grows = f"more than {MOST_RATIO} times its packed size"
     if len(entries) > MOST_FILES:
-        yield f"has {len(entries)} files; at most {MOST_FILES} are unpacked"
+        raise FmuError(f"{path}: has {len(entries)} files; at most {MOST_FILES} are unpacked")
     if total > MOST_UNPACKED:
-        yield f"unpacks to {_mb(total)}; at most {_mb(MOST_UNPACKED)} are unpacked"
+        most = _mb(MOST_UNPACKED)
+        raise FmuError(f"{path}: unpacks to {_mb(total)}; at most {most} are unpacked")
     for entry in entries:
         name, size = entry.filename, entry.file_size
         if name == DESCRIPTION and size > MOST_DESCRIBED:
-            yield f"{name} has {_mb(size)}; at most {_mb(MOST_DESCRIBED)} are read"
+            most = _mb(MOST_DESCRIBED)
+            raise FmuError(f"{path}: {name} has {_mb(size)}; at most {most} are read")
         if size > max(FREE, MOST_RATIO * entry.compress_size):
-            yield f"its file {name!r} unpacks to {_mb(size)}, {grows}"
+            raise FmuError(f"{path}: its file {name!r} unpacks to {_mb(size)}, {grows}")
     # Packed files may overlap, but the archive has no more bytes than it has.
-    if total > max(FREE_IN_ALL, MOST_RATIO * packed):
-        yield f"it unpacks to {_mb(total)}, {grows}"
+    if total > max(FREE_IN_ALL, MOST_RATIO * path.stat().st_size):
+        raise FmuError(f"{path}: it unpacks to {_mb(total)}, {grows}")
 
 
 def unpack(path: Path, folder: Path) -> None:
@@ -339,8 +336,11 @@ def load_names(file: Path, own: Iterable[Parameter] = ()) -> NameMap:
     targets: dict[str, Target] = {}
     for key, target in source.read(_Targets, *place).items():
         if key not in known:
-            reason = f"{key!r} is no variable of the suite; {_nearest(key)}"
-            raise source.refusal(reason, *place, key)
+            near = difflib.get_close_matches(key, UNITS, n=3, cutoff=0.5)
+            # Names of one or two letters resemble nothing; the usual slip is the case of a letter.
+            near += [n for n in UNITS if n.lower() == key.lower() and n not in near]
+            there = f"near it: {', '.join(near)}" if near else f"there are {', '.join(UNITS)}"
+            raise source.refusal(f"{key!r} is no variable of the suite; {there}", *place, key)
         taken = [ours for ours, other in targets.items() if other.name == target.name != NOT_THERE]
         if taken:
             reason = f"{key} and {taken[0]} are both {target.name!r}"
@@ -362,13 +362,6 @@ def _named(entries: Any) -> Any:
 
 
 _Targets = Annotated[Mapping[str, Target], BeforeValidator(_named)]
-
-
-def _nearest(key: str) -> str:
-    near = difflib.get_close_matches(key, UNITS, n=3, cutoff=0.5)
-    # Names of one or two letters resemble nothing; the other case of a letter is the usual slip.
-    near += [name for name in UNITS if name.lower() == key.lower() and name not in near]
-    return f"near it: {', '.join(near)}" if near else f"there are {', '.join(UNITS)}"
 
 
 SETTABLE = frozenset({"parameter", "input"})

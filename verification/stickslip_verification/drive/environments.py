@@ -207,7 +207,10 @@ def keeps_memory(fmu: FmuFile, of: str, count: int, most: float, seconds: float)
         masters.need_ability(fmu.can_get_and_set_state, "get and set its state")
     elif of == "instance":
         masters.need_instances(fmu)
-        most += _PER_MODULE * _module(fmu)
+        # Without a module that a wrapper executes for each instance there is nothing to add.
+        with contextlib.suppress(OSError, ValueError):
+            name = (fmu.folder / _SLAVE_MODULE).read_text(encoding="utf-8").strip()
+            most += _PER_MODULE * (fmu.folder / "resources" / f"{name}.py").stat().st_size
     if not _PAGES.exists():
         raise NotApplicableError("the memory of a process is read on Linux only")
     measured = partial(_measured, fmu, of, count, seconds, _SLOWER)
@@ -259,22 +262,6 @@ def _instances(fmu: FmuFile) -> Doing:
             instance.step(0.0, 0.3)
 
 
-_DOINGS: Mapping[str, Callable[[FmuFile], Doing]] = {
-    "step": _steps,
-    "state": _states,
-    "instance": _instances,
-}
-
-
-def _module(fmu: FmuFile) -> int:
-    """Return the size of the module that a wrapper executes for each instance [B], 0 if none."""
-    try:
-        name = (fmu.folder / _SLAVE_MODULE).read_text(encoding="utf-8").strip()
-        return (fmu.folder / "resources" / f"{name}.py").stat().st_size
-    except (OSError, ValueError):
-        return 0
-
-
 def judged(parts: Sequence[tuple[int, int]], what: str, most: float, seconds: float) -> list[str]:
     """Complain of a measurement, of which each part is a number of times and a growth [B]."""
     if len(parts) < _FEWEST:
@@ -291,7 +278,8 @@ def _measured(
     fmu: FmuFile, of: str, count: int, seconds: float, patience: float
 ) -> list[tuple[int, int]]:
     """Return how often a thing was done in each part of a measurement, and the growth [B]."""
-    over, once = _clock(seconds, patience), _DOINGS[of](fmu)
+    once = {"step": _steps, "state": _states, "instance": _instances}[of](fmu)
+    over = _clock(seconds, patience)
     parts: list[tuple[int, int]] = []
     next(once)
     before = _resident()

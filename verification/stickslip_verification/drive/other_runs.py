@@ -116,15 +116,11 @@ def _joined(run: Run) -> Run:
 _SHIFT = 2.0  # of a shifted run, in ways that the pulled end goes to the first break-away
 
 
-def _offset(case: Case) -> float:
-    """Return how much farther the spring is stretched in a shifted run [m]."""
-    p = case.start
-    return -_SHIFT * p["mu_s"] * max(p["m"] * p["g"] + p["load"], 0.0) / p["k"]
-
-
 def _shifted(fmu: FmuFile, case: Case) -> Setting:
     """Stretch the spring, let F_ext make up for it, and load for half of the weight."""
-    plain, offset, now = setting_of(fmu, case), _offset(case), dict(case.start)
+    plain, p, now = setting_of(fmu, case), case.start, dict(case.start)
+    # How much farther the spring is stretched [m].
+    offset = -_SHIFT * p["mu_s"] * max(p["m"] * p["g"] + p["load"], 0.0) / p["k"]
     pairs = ({"z_start", "F_ext"}, {"g", "load"})
     moved = {name for pair in pairs if all(map(fmu.has, pair)) for name in pair}
     if not moved:

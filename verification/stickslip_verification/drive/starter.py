@@ -58,7 +58,8 @@ _NAME, _TEXT, _MISSING = 2.0, 1.0, 2.0
 _TABLES: Final[Mapping[str, Mapping[str, Any]]] = tomllib.loads(
     Path(__file__).with_name("words.toml").read_text("utf-8")
 )
-_MEANINGS, _VALUES, _ALONE = (_TABLES[name] for name in ("parameters", "trial", "alone"))
+_VALUES, _ALONE = _TABLES["trial"], _TABLES["alone"]
+_MEANINGS: Final = {each.name: each.meaning for each in PARAMETERS}
 _TELLING: Final = ("kg", "m/s2", "N/m", "N.s/m")
 _FIXED: Final = {each.name for each in PARAMETERS if each.kind is Kind.FIXED}
 _DISCRETE: Final = {name for name, quantity in QUANTITIES.items() if quantity.discrete}
@@ -119,7 +120,13 @@ def starter(fmu: Path) -> str:
         scores |= {v: min(scores[v], _ALL_SAID - 1.0) for v in loads}
     sure = {each.name for each, score in scores.items() if score >= _ALL_SAID}
     lacking = [] if seen else [ours for ours in REQUIRED if ours not in sure]
-    chosen = {} if lacking else _sure(scores)
+    best, without = _assigned({v: score for v, score in scores.items() if score >= _ALL_SAID})
+    total = sum(scores[each] for each in best)
+    chosen = {
+        each.name: each
+        for each in ([] if lacking else best)
+        if total - sum(scores[other] for other in without[each]) >= _AHEAD
+    }
     texts = _TABLES["texts"]
     note = texts["seen" if seen else "no_block" if lacking else "not_seen"]
     head = texts["head"].format(file=_plain(fmu.name), note=note.format(", ".join(lacking)))
@@ -194,17 +201,6 @@ def _likeness(ours: str, theirs: Declared) -> float:
 def _words(text: str) -> tuple[str, ...]:
     """Return the known words in a name or a sentence, also those in camelCase and compounds."""
     return tuple(_WORD.findall(_SEAM.sub(" ", text).lower()))
-
-
-def _sure(scores: Mapping[Variable, float]) -> dict[str, Variable]:
-    """Return the variables that are sure by our names, none twice."""
-    best, without = _assigned({v: score for v, score in scores.items() if score >= _ALL_SAID})
-    total = sum(scores[each] for each in best)
-    return {
-        each.name: each
-        for each in best
-        if total - sum(scores[other] for other in without[each]) >= _AHEAD
-    }
 
 
 def _assigned(

@@ -275,16 +275,10 @@ class Plain:
         """Return the delta of one output, at least `FLOOR`."""
         return max(self.ruler.deviation(self.run, [output]).delta, FLOOR)
 
-    @cached_property
-    def has_area(self) -> bool:
-        """Whether there are slips, points enough in them, and an area."""
-        slips = self.ruler.exact.facts.slips
-        return slips >= _SLIPS and self._read.size >= _POINTS and 0.0 < self._area < np.inf
-
     def left(self, name: str, part: float) -> float:
         """Return how much of the area is left if a parameter is larger by a part."""
         try:
-            return self._area_to(shifted(self.case, name, part)) / self._area
+            return self._area_to(shifted(self.case, name, part)) / self.area
         except ValueError:
             # The case does not allow it: the mass would lift off.
             return 1.0
@@ -295,8 +289,11 @@ class Plain:
         return read[self.exact.outputs["n_slips"][read] < _SLIPS]
 
     @cached_property
-    def _area(self) -> float:
-        return self._area_to(self.exact)
+    def area(self) -> float:
+        """Area between the run and the exact motion; 0 without slips, or points enough in them."""
+        slips = self.ruler.exact.facts.slips
+        area = self._area_to(self.exact) if slips >= _SLIPS and self._read.size >= _POINTS else 0.0
+        return area if area < np.inf else 0.0
 
     def _area_to(self, motion: Run) -> float:
         """Return the area between the run and a motion over the first slips."""
@@ -404,7 +401,7 @@ def large_offset(
     Coulomb's law count, whose motions are quick.
     """
     quick = sorted(runs.values(), key=lambda run: len(run.case.steps))
-    usable = [run for run in quick if run.case.law == COULOMB_NAME and run.has_area]
+    usable = [run for run in quick if run.case.law == COULOMB_NAME and run.area > 0.0]
     found: list[tuple[float, WrongParameter]] = []
     for name in dict.fromkeys(name for _, name in names):
         of = [run for run in usable if (run.case.id, name) in names][:_SHORTEST]

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..drive.exact import Exact
-from ..model.quantities import OUTPUTS, QUANTITIES
+from ..model.quantities import GROUPS, OUTPUTS, QUANTITIES
 from ..model.verdict import Run, Series, Transition
 from ..suite.cases import Case
 from ..truth import friction_law
@@ -34,10 +34,7 @@ class LackingError(CheckError):
     """A side does not have an output that a check needs."""
 
 
-_METER = (
-    *("delta_x", "spring_drop", "t_stick", "t_slip", "T", "f", "x_dot_peak"),
-    *("n_slips", "t_event"),
-)
+_METER = (*GROUPS["meter"], "f", "n_slips", "t_event")
 """Outputs of the meter, whose beginning is a matter of agreement."""
 
 
@@ -189,10 +186,12 @@ class Course:
         return self.after(name) - self.before(name)
 
     def residual(
-        self, values: Series, scale: Series | float, unit: str, where: Mask | None = None
+        self, values: Series, unit: str, where: Mask | None = None, scale: float | None = None
     ) -> Residual:
-        """Return a residual, about all steps where none are named."""
+        """Return a residual, about all steps where none are named, on the scale of its unit."""
         everywhere = np.ones(self.h.size, dtype=np.bool_)
+        if scale is None:
+            scale = 1.0 if unit == "1" else self.scale[unit]
         return Residual(values, everywhere if where is None else where, scale, unit)
 
     @cached_property
@@ -214,12 +213,6 @@ class Course:
         law = friction_law(self.case.law)
         columns["mu_k"] = np.array([law.coefficient(row) for row in rows])
         return columns
-
-    @cached_property
-    def reset_at_begin(self) -> Mask:
-        """Steps at whose beginning something may let the mass go: the first, and after changes."""
-        changes = [np.diff(values, prepend=np.nan) for values in self.settings.values()]
-        return np.asarray(np.any(np.array(changes) != 0.0, axis=0))
 
     @cached_property
     def normal_force(self) -> Series:
@@ -252,14 +245,6 @@ class Course:
         first = np.where(self.after("n_slips") == 0.0, self.settings["age_start"], 0.0)
         resting = self.record.times - self.after("t_event") + first
         return np.where(self.mode[1] == 0.0, np.maximum(resting, 0.0), 0.0)
-
-    @cached_property
-    def age_at_break_away(self) -> Series | None:
-        """Age [s] of the stick that ends in each step, where one does."""
-        if not self.grows:
-            return None
-        first = np.where(self.before("n_slips") == 0.0, self.settings["age_start"], 0.0)
-        return self.after("t_stick") + first
 
     @cached_property
     def mode(self) -> tuple[Series, Series]:
@@ -404,12 +389,6 @@ class Slips:
     drive: Wide
     """F_ext less kinetic friction, ``F_ext - s mu_k N`` [N]."""
 
-    @property
-    def turning_rate(self) -> Wide:
-        """Angular frequency [rad/s]; zero where damping lets nothing swing."""
-        square = self.k / self.m - (self.c / (2.0 * self.m)) ** 2
-        return np.asarray(np.sqrt(np.maximum(square, 0.0)))
-
     def acceleration(self, state: State) -> Wide:
         """Return x_ddot [m/s2]."""
         return np.asarray((self.k * state.z + self.drive - self.c * state.x_dot) / self.m)
@@ -428,17 +407,16 @@ class Slips:
         return State(centre + a * y + b * rate, self.v - w * (c * y + d * rate))
 
 
-def slips(course: Course, steps: Mask, direction: Series) -> Slips:
-    """Return the equations of slip of the chosen steps, in the direction that each has."""
+def slips(course: Course, steps: Mask, direction: Series) -> tuple[Slips, State]:
+    """Return the equations of the chosen steps, in the direction that each has, and their begin.
+
+    That is the state that the side had there.
+    """
     s = {name: np.asarray(values[steps], np.longdouble) for name, values in course.settings.items()}
     friction = direction[steps] * s["mu_k"] * course.normal_force[steps]
-    return Slips(s["m"], s["k"], s["c"], s["v"], s["F_ext"] - friction)
-
-
-def state(course: Course, steps: Mask) -> State:
-    """Return the state that the side had at the beginning of the chosen steps."""
-    z, x_dot = (course.before(name)[steps] for name in ("z", "x_dot"))
-    return State(np.asarray(z, np.longdouble), np.asarray(x_dot, np.longdouble))
+    z, x_dot = (np.asarray(course.before(n)[steps], np.longdouble) for n in ("z", "x_dot"))
+    equations = Slips(s["m"], s["k"], s["c"], s["v"], s["F_ext"] - friction)
+    return equations, State(z, x_dot)
 
 
 def _transition(tau: Wide, two_zeta: Wide) -> tuple[Wide, Wide, Wide, Wide]:

@@ -6,7 +6,7 @@ import numpy as np
 
 from ..model.quantities import OUTPUT_NAMES
 from ..model.verdict import Series
-from .course import SLACK, Course, Mask, Metric, Residual, State, Wide, slips, state
+from .course import SLACK, Course, Mask, Metric, Residual, State, Wide, slips
 
 _POLISHES = 4
 _PROBES = (*(0.5**n for n in range(30, 4, -1)), *(n / 16.0 for n in range(1, 17)))
@@ -27,12 +27,14 @@ def never_past_rest(course: Course) -> Residual:
     """How far the velocity passes zero inside a step that reports no transition."""
     chosen = course.slip
     direction = course.mode[1][chosen]
-    equations = slips(course, chosen, course.mode[1])
-    begin = state(course, chosen)
+    equations, begin = slips(course, chosen, course.mode[1])
     h = np.asarray(course.h[chosen], np.longdouble)
+    # Zero where damping lets nothing swing.
+    square = equations.k / equations.m - (equations.c / (2.0 * equations.m)) ** 2
+    turning_rate = np.sqrt(np.maximum(square, 0.0))
     # Minima rise towards the pull's speed or stay as they are, so the first is the lowest.
     with np.errstate(divide="ignore"):
-        span = np.minimum(h, 2.0 * np.pi / equations.turning_rate)
+        span = np.minimum(h, 2.0 * np.pi / turning_rate)
     lowest, at = np.full(h.shape, np.inf, np.longdouble), np.zeros_like(h)
     for part in _PROBES:
         speed = direction * equations.move(begin, span * part).x_dot
@@ -50,8 +52,8 @@ def never_past_rest(course: Course) -> Residual:
 
 def _missed(course: Course, name: str) -> Wide:
     chosen = course.slip
-    equations = slips(course, chosen, course.mode[1])
-    moved = equations.move(state(course, chosen), course.h[chosen])
+    equations, begin = slips(course, chosen, course.mode[1])
+    moved = equations.move(begin, course.h[chosen])
     return np.asarray(course.after(name)[chosen] - getattr(moved, name))
 
 
@@ -90,8 +92,8 @@ def break_away_along_force(course: Course) -> Residual:
 def rest_at_re_stick(course: Course) -> Residual:
     """Velocity that the equation of slip gives at the time of a reported re-stick."""
     chosen = course.re_stick
-    equations = slips(course, chosen, course.mode[0])
-    stopped = equations.move(state(course, chosen), course.since_begin[chosen])
+    equations, begin = slips(course, chosen, course.mode[0])
+    stopped = equations.move(begin, course.since_begin[chosen])
     rate = np.abs(np.asarray(equations.acceleration(stopped), np.float64))
     values = np.zeros(course.h.size)
     values[chosen] = _beyond(np.asarray(stopped.x_dot, np.float64), rate * course.dating[chosen])
@@ -106,10 +108,10 @@ def spring_joined(course: Course) -> Residual:
     values = np.zeros(course.h.size)
     loaded = np.asarray(course.before("z") + v * first, np.longdouble)[began]
     start = State(loaded, np.zeros_like(loaded))
-    slipped = slips(course, began, course.mode[1]).move(start, rest[began])
+    slipped = slips(course, began, course.mode[1])[0].move(start, rest[began])
     values[began] = z[began] - slipped.z
-    stopping = slips(course, ended, course.mode[0])
-    stopped = stopping.move(state(course, ended), first[ended])
+    stopping, begin = slips(course, ended, course.mode[0])
+    stopped = stopping.move(begin, first[ended])
     values[ended] = z[ended] - (stopped.z + v[ended] * rest[ended])
     left = _beyond(values, course.scale["m/s"] * course.dating)
     return Residual(left, np.asarray(began | ended), course.scale["slip m"], "m")
@@ -119,9 +121,15 @@ def _at_break_away(course: Course) -> tuple[Series, Series, Mask]:
     """Return force and threshold [N] at each break-away, and whether its step begins with it."""
     s = course.settings
     wait = course.since_begin
-    at_once = (wait <= 4.0 * np.spacing(np.abs(course.begins))) & course.reset_at_begin
+    # At the beginning of the first step, and after changes, something may let the mass go.
+    reset = np.any(np.array([np.diff(of, prepend=np.nan) for of in s.values()]) != 0.0, axis=0)
+    at_once = (wait <= 4.0 * np.spacing(np.abs(course.begins))) & reset
     force = s["k"] * (course.before("z") + s["v"] * np.where(at_once, 0.0, wait)) + s["F_ext"]
-    return force, course.static_friction(course.age_at_break_away)[0], np.asarray(at_once)
+    age = None
+    if course.grows:
+        first = np.where(course.before("n_slips") == 0.0, s["age_start"], 0.0)
+        age = course.after("t_stick") + first
+    return force, course.static_friction(age)[0], np.asarray(at_once)
 
 
 def _beyond(left: Series, allowed: Series) -> Series:
@@ -138,7 +146,7 @@ def balance(course: Course) -> Residual:
     z, x_dot = (course.before(name)[0] for name in ("z", "x_dot"))
     at_start = 0.5 * before["k"] * z**2 + 0.5 * before["m"] * x_dot**2
     left = np.asarray(supplied - (stored - at_start), np.float64)
-    return course.residual(left, course.scale["J"], "J")
+    return course.residual(left, "J")
 
 
 def heat_of_dry_friction(course: Course) -> Residual:
@@ -201,15 +209,15 @@ def break_away_force(course: Course) -> Residual:
     """F_s less mu_s N, at the age of the stick where mu_s grows."""
     threshold, rate = course.static_friction(course.age)
     left = course.after("F_s") - threshold
-    left = np.sign(left) * np.maximum(np.abs(left) - rate * course.dating, 0.0)
-    return course.residual(left, course.scale["N"], "N")
+    left = _beyond(left, rate * course.dating)
+    return course.residual(left, "N")
 
 
 def columns(course: Course) -> Residual:
     """How many outputs are missing, or have not one sample per communication point."""
     outputs, n = course.record.outputs, course.h.size
     wrong = sum(name not in outputs or outputs[name].size != n for name in OUTPUT_NAMES)
-    return course.residual(np.full(n, float(wrong)), 1.0, "1")
+    return course.residual(np.full(n, float(wrong)), "1")
 
 
 def finite(course: Course) -> Residual:
@@ -218,7 +226,7 @@ def finite(course: Course) -> Residual:
     for samples in course.record.outputs.values():
         count[samples.size :] += 1
         count[: samples.size] += ~np.isfinite(samples[: count.size])
-    return course.residual(count, 1.0, "1")
+    return course.residual(count, "1")
 
 
 def start(course: Course) -> Residual:
@@ -236,54 +244,46 @@ def _within_break_away(c: Course) -> Residual:
     threshold, rate = c.static_friction(c.age)
     slack = SLACK * (np.abs(spring) + np.abs(push) + threshold) + rate * c.dating
     excess = np.maximum(np.abs(spring + push) - threshold - slack, 0.0)
-    return Residual(excess, c.rests, c.scale["N"], "N")
+    return c.residual(excess, "N", c.rests)
 
 
 DIRECT: Final[dict[str, Metric]] = {
-    "stick.position_held": lambda c: c.residual(c.change("x"), c.scale["m"], "m", c.stick),
-    "stick.at_rest": lambda c: c.residual(c.after("x_dot"), c.scale["m/s"], "m/s", c.rests),
+    "stick.position_held": lambda c: c.residual(c.change("x"), "m", c.stick),
+    "stick.at_rest": lambda c: c.residual(c.after("x_dot"), "m/s", c.rests),
     "stick.friction_balances": lambda c: c.residual(
-        c.after("F_friction") + (c.settings["k"] * c.after("z") + c.settings["F_ext"]),
-        c.scale["N"],
-        "N",
-        c.rests,
+        c.after("F_friction") + (c.settings["k"] * c.after("z") + c.settings["F_ext"]), "N", c.rests
     ),
     "stick.within_break_away": _within_break_away,
     "slip.extension_follows": lambda c: _spread(c, _missed(c, "z"), c.scale["slip m"], "m"),
     "slip.velocity_follows": lambda c: _spread(c, _missed(c, "x_dot"), c.scale["slip m/s"], "m/s"),
     "slip.friction_against_motion": lambda c: c.residual(
-        np.maximum(c.after("F_friction") * np.sign(c.after("x_dot")), 0.0),
-        c.scale["N"],
-        "N",
-        ~c.rests,
+        np.maximum(c.after("F_friction") * np.sign(c.after("x_dot")), 0.0), "N", ~c.rests
     ),
     "slip.direction_is_mode": lambda c: c.residual(
-        np.maximum(-c.mode[1] * c.after("x_dot"), 0.0), c.scale["m/s"], "m/s", ~c.rests
+        np.maximum(-c.mode[1] * c.after("x_dot"), 0.0), "m/s", ~c.rests
     ),
-    "energy.heat_never_falls": lambda c: c.residual(
-        np.maximum(-c.change("Q_friction"), 0.0), c.scale["J"], "J"
-    ),
+    "energy.heat_never_falls": lambda c: c.residual(np.maximum(-c.change("Q_friction"), 0.0), "J"),
     "outputs.spring_force": lambda c: c.residual(
-        c.after("F") - c.settings["k"] * c.after("z"), c.scale["N"], "N"
+        c.after("F") - c.settings["k"] * c.after("z"), "N"
     ),
     "outputs.extension": lambda c: c.residual(
-        c.after("z") - (c.after("x_pull") - c.after("x")), c.scale["m"], "m"
+        c.after("z") - (c.after("x_pull") - c.after("x")), "m"
     ),
-    "outputs.pulled_end": lambda c: c.residual(
-        c.change("x_pull") - c.settings["v"] * c.h, c.scale["m"], "m"
-    ),
+    "outputs.pulled_end": lambda c: c.residual(c.change("x_pull") - c.settings["v"] * c.h, "m"),
     "outputs.frequency": lambda c: c.residual(
-        c.after("f") * c.after("T") - (c.after("T") > 0.0), 1.0, "1"
+        c.after("f") * c.after("T") - (c.after("T") > 0.0), "1"
     ),
     "outputs.mode_and_sticking": lambda c: c.residual(
-        1.0 * ((c.after("mode") == 0.0) != (c.after("sticking") != 0.0)), 1.0, "1"
+        1.0 * ((c.after("mode") == 0.0) != (c.after("sticking") != 0.0)), "1"
     ),
     "outputs.clamped_coefficient": lambda c: c.residual(
-        c.after("mu_k_used") - c.settings["mu_k"], float(np.max(c.settings["mu_s"])) or 1.0, "1"
+        c.after("mu_k_used") - c.settings["mu_k"],
+        "1",
+        scale=float(np.max(c.settings["mu_s"])) or 1.0,
     ),
     # Communication points that were not reached.
     "outputs.finished": lambda c: c.residual(
-        np.full(c.h.size, abs(float(c.h.size - c.record.times.size))), 1.0, "1"
+        np.full(c.h.size, abs(float(c.h.size - c.record.times.size))), "1"
     ),
 }
 

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..truth import Step
+from ..truth.course import Event as ExactEvent
 
 Series = NDArray[np.float64]
 
@@ -53,15 +54,8 @@ class Transition(StrEnum):
     REVERSAL = "reversal"
 
 
-@dataclass(frozen=True)
-class Event:
-    """A transition at a time [s]: the mode from then on, position x and extension z [m]."""
-
-    time: float
-    kind: Transition
-    mode: int
-    x: float
-    z: float
+Event = ExactEvent
+"""A transition at a time [s]: the mode from then on, position x and extension z [m]."""
 
 
 def events_between(samples: NDArray[np.void], v: float) -> tuple[tuple[Event, ...], int]:

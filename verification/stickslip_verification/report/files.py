@@ -23,12 +23,7 @@ from ..model.verdict import (
     value_text,
 )
 
-KINDS: Final[dict[str, str]] = {
-    Kind.CLOSED_FORM: "closed form",
-    Kind.INVARIANT: "invariant",
-    Kind.CONVERGENCE: "convergence",
-    Kind.CROSS_CODE: "cross-code",
-}
+KINDS: Final = {kind: kind.replace("_", " ") for kind in Kind} | {Kind.CROSS_CODE: "cross-code"}
 
 SIDES: Final = {"fmu": "FMU", "reference": "reference", "both": "both"}
 
@@ -108,12 +103,17 @@ def as_json(verdict: Verdict) -> dict[str, Any]:
     A number that is not finite becomes null. A check without anything to compare has null for
     ``got`` and ``error``, and its ``because`` starts with what happened.
     """
-    kills = verdict.kills
+    kills, rows = verdict.kills, []
+    for result in verdict.checks:
+        row = vars(result) | {"class": result.klass, "verdict": result.verdict}
+        if result.failure is not None:
+            row["because"] = f"{result.failure} (the tolerance: {result.because})"
+        rows.append({key: row[key] for key in row if key not in ("klass", "late")})
     values = {
         "summary": verdict.summary,
         "passed": verdict.passed,
         "by_kind": verdict.by_kind,
-        "checks": [_row(result) for result in verdict.checks],
+        "checks": rows,
         "orders": verdict.orders,
         "kills": kills and {"passed": kills.passed, **vars(kills)},
         "contract": verdict.contract,
@@ -132,13 +132,6 @@ def json_text(verdict: Verdict) -> str:
 def write_json(verdict: Verdict, path: Path) -> None:
     """Write `as_json` to `path`, making its folder; an interrupted write leaves the old file."""
     write_whole(path, json_text(verdict))
-
-
-def _row(result: CheckResult) -> dict[str, Any]:
-    row = vars(result) | {"class": result.klass, "verdict": result.verdict}
-    if result.failure is not None:
-        row["because"] = f"{result.failure} (the tolerance: {result.because})"
-    return {key: value for key, value in row.items() if key not in ("klass", "late")}
 
 
 ABOUT_THE_FMU = "the FMU"  # class name of the checks that belong to no case

@@ -180,7 +180,10 @@ def _case(motion: Motion, tolerances: Mapping[str, float]) -> Figure:
         _draw_force(panels[1], motion, line)
         _draw_errors(panels[2], motion, tolerances)
         panels[2].set_xlabel(f"time  [{prefix}s]", loc="left", labelpad=2.0)
-        said = _what_is_marked(motion, line)
+        count, every = len(motion.exact.times), _every(motion)
+        said = f"{count} sample{'s' if count > 1 else ''}"
+        said = said if every == 1 else f"markers: 1 in {every} of {said}"
+        said += "" if line.joined else "; more happens between samples than they tell"
         page.text(place["right"], 0.012, said, ha="right", fontsize=8.0, color=SOFT)
         return page
 
@@ -327,13 +330,6 @@ def _mark_sides(panel: Axes, motion: Motion, output: str, unit: float) -> None:
 
 def _every(motion: Motion) -> int:
     return max(1, -(-len(motion.exact.times) // MARKS))
-
-
-def _what_is_marked(motion: Motion, line: Curve) -> str:
-    count, every = len(motion.exact.times), _every(motion)
-    what = f"{count} sample{'s' if count > 1 else ''}"
-    marked = what if every == 1 else f"markers: 1 in {every} of {what}"
-    return marked if line.joined else f"{marked}; more happens between samples than they tell"
 
 
 def _legend(panel: Axes) -> None:

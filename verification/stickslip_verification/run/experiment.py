@@ -121,7 +121,13 @@ def compute(
             known: dict[str, Any] = {
                 name: next(answers[name]) for name, (_, of) in tasks.items() if case in of
             }
-            known["invariants"] = _about(case, known["exact"].value, invariants)
+            exact = known["exact"].value
+            known["invariants"] = [
+                residual
+                for residual in (invariants.residuals if invariants is not None else ())
+                if residual.holds_for(case.law)
+                and (exact is None or applies(residual, case, exact))
+            ]
             known["orders"] = [(order, next(orders)) for _, of, order in ordered if of is case]
             baselines[case.id] = Baseline(case, **known)
     return [baselines[case.id] for case in cases]
@@ -134,16 +140,6 @@ def random_tests(
     near = [case.id for case in cases if numerical]
     known = {of.case.id: of for of in compute(cases, None, jobs, numerical=near)}
     return [RandomTest(known[case.id], manner) for case, manner in tried(cases, manners)]
-
-
-def _about(
-    case: Case, exact: motions.Exact | None, of: Invariants | None
-) -> list[ResidualInvariant]:
-    return [
-        residual
-        for residual in (of.residuals if of is not None else ())
-        if residual.holds_for(case.law) and (exact is None or applies(residual, case, exact))
-    ]
 
 
 UNTRIED: Answer[Any] = Answer(

@@ -6,11 +6,13 @@ in no other run another one; else there is none that explains it alone.
 """
 
 import math
+import tomllib
 from collections import Counter
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from itertools import takewhile
+from pathlib import Path
 from typing import Final
 
 import numpy as np
@@ -23,10 +25,10 @@ from ..model.verdict import LIKELIEST, SEQUENCE, CheckResult, Kind, Question, Se
 from ..suite.cases import Case
 from ..suite.invariants import load_invariants
 from ..truth.course import BUILT_IN
-from ..truth.parameters import CHANGEABLE
 from .comparisons import FEW, Solution, as_large, output_of, place_of
 from .experiment import Runs
 
+_TABLES: Final = tomllib.loads(Path(__file__).with_suffix(".toml").read_text("utf-8"))
 EXPLAINS: Final = 0.1  # most of the mean deviation that a cause may leave
 WORST: Final = 3  # how many failed runs are tried
 OTHERS: Final = 15
@@ -129,19 +131,8 @@ def _creep(shown: Plain) -> float | None:
 
 
 def _models() -> Iterator[tuple[str, Model]]:
-    for name in ("c", "load", "F_ext", "x_dot_start", "z_start"):
-        yield f"{name} is ignored", partial(_valued, name=name, factor=0.0)
-    for name in ("v", "load", "F_ext", "x_dot_start", "z_start"):
-        yield f"{name} has the other sign", partial(_valued, name=name, factor=-1.0)
-    for name in CHANGEABLE:
-        yield f"changes of {name} are ignored", partial(_delayed, name=name, acts=False)
-        yield f"changes of {name} act one step late", partial(_delayed, name=name, acts=True)
-        for factor, words in ((1e3, "1000 times as large"), (1e-3, "a thousandth")):
-            yield f"{name} acts as if it were {words}", partial(_valued, name=name, factor=factor)
-    yield "g is 9.81 m/s2, whatever is set", partial(_valued, name="g", factor=9.81, of="1")
-    yield "m is 1 kg, whatever is set", partial(_valued, name="m", of="1")
-    yield "mu_k acts in stick too", partial(_valued, name="mu_s", of="mu_k")
-    yield "mu_s acts in slip too", partial(_valued, name="mu_k", of="mu_s")
+    for words, entry in _TABLES["causes"].items():
+        yield words, partial(_delayed if "acts" in entry else _valued, **entry)
     for words, acceleration in STRUCTURES.items():
         yield words, partial(Slider, _SOLVER, acceleration=acceleration)
 
@@ -224,15 +215,6 @@ TOO_ROUGH: Final = 0.03  # delta in the middle case from which on nothing can be
 ROUGH_CYCLE: Final = 0.05
 """Error of jump or period in the middle case from which on nothing can be told."""
 
-CYCLE: Final[Mapping[str, str]] = {
-    "jump": "delta_x",
-    "stick": "t_stick",
-    "slip": "t_slip",
-    "period": "T",
-    "force": "F",
-}
-"""What a cycle is described by, and the outputs that show it; of the force the largest."""
-
 MOST_ASKED: Final = 50.0  # above it [%] no error is one of the steps
 _EXACT: Final = 1e-11  # a solution whose middle delta is below this one is exact
 
@@ -250,7 +232,7 @@ class Errors:
 def cycle_errors(solved: Solution) -> list[Errors]:
     """Return how far off jump, stick, slip, period and spring force are."""
     errors = []
-    for quantity, output in CYCLE.items():
+    for quantity, output in _TABLES["cycle"].items():
         of_cases = {case: _error(plain, output) for case, plain in solved.plain.items()}
         known = {case: error for case, error in of_cases.items() if error is not None}
         if known:

@@ -143,10 +143,6 @@ class Invariants(data.Written):
         families = ((family, getattr(self, family)) for family in self.SOME)
         return Invariants(**{name: [i for i in of if i.id in names] for name, of in families})
 
-    def of_laws(self, laws: Collection[str]) -> Invariants:
-        """Return those that hold for one of these friction laws."""
-        return self.only({each.id for each in self if any(map(each.holds_for, laws))})
-
 
 def load_invariants(folder: Path = FOLDER) -> Invariants:
     """Read every TOML file of a folder, in the order of their names.

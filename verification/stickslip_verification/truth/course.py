@@ -15,15 +15,7 @@ import mpmath
 
 from .coulomb import COULOMB
 from .law import FrictionLaw, Slip
-from .parameters import (
-    Context,
-    Number,
-    changeable,
-    complete,
-    exact,
-    high_precision,
-    sign,
-)
+from .parameters import Context, Number, changeable, complete, exact, high_precision, sign
 from .series import Series, bracketed_zero
 from .stribeck import STRIBECK
 
