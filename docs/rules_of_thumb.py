@@ -19,7 +19,7 @@ from scipy.optimize import brentq
 
 from stickslip_ref import Parameters, coulomb_limit, simplified, steady_cycle
 from stickslip_verification import truth
-from stickslip_verification.model import quantities as formulas
+from stickslip_verification.model.quantities import FORMULAS
 from stickslip_verification.report.svg import BASE, as_svg
 
 if TYPE_CHECKING:
@@ -430,9 +430,9 @@ def sticks(ratio: float, v: float) -> tuple[Any, Any]:
     It goes from a relaxed spring at v [m/s] past the second break-away, at mu_k = ratio mu_s.
     """
     p = {**truth.START_VALUES, "mu_k": ratio * truth.START_VALUES["mu_s"], "v": v}
-    told, half = formulas.first_load_up(p), formulas.half_period(p) / 2
+    told, half = FORMULAS["first_load_up"](p), FORMULAS["half_period"](p) / 2
     # Past each break-away by half a slip: long enough to have it, too short for another.
-    steps = [truth.Step(float(told + half)), truth.Step(float(formulas.period(p)))]
+    steps = [truth.Step(float(told + half)), truth.Step(float(FORMULAS["period"](p)))]
     first, cycle = (told / sample["t_stick"] for sample in truth.run(p, steps).samples)
     return first, cycle
 

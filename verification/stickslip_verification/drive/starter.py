@@ -58,8 +58,7 @@ _NAME, _TEXT, _MISSING = 2.0, 1.0, 2.0
 _TABLES: Final[Mapping[str, Mapping[str, Any]]] = tomllib.loads(
     Path(__file__).with_name("words.toml").read_text("utf-8")
 )
-_VALUES, _ALONE = _TABLES["trial"], _TABLES["alone"]
-_MEANINGS: Final = {each.name: each.meaning for each in PARAMETERS}
+_MEANINGS, _VALUES, _ALONE = (_TABLES[name] for name in ("parameters", "trial", "alone"))
 _TELLING: Final = ("kg", "m/s2", "N/m", "N.s/m")
 _FIXED: Final = {each.name for each in PARAMETERS if each.kind is Kind.FIXED}
 _DISCRETE: Final = {name for name, quantity in QUANTITIES.items() if quantity.discrete}

@@ -8,7 +8,17 @@ from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
 from .law import FrictionLaw
-from .parameters import Context, Number, Numbers, complete, exact, high_precision, rows, sign
+from .parameters import (
+    Context,
+    Kind,
+    Number,
+    Numbers,
+    Parameter,
+    complete,
+    exact,
+    high_precision,
+    sign,
+)
 from .series import Series, safeguarded_zero
 
 
@@ -371,7 +381,12 @@ class Coulomb(FrictionLaw):
     parameters of that growth mean none.
     """
 
-    parameters = rows("coulomb")
+    parameters = (
+        Parameter("tau_s", "s", 0.0, Kind.TUNABLE, low=0.0),
+        Parameter("B", "1", 0.0, Kind.TUNABLE, low=0.0),
+        Parameter("t_0", "s", 1.0, Kind.TUNABLE, low=0.0, strict=True),
+        Parameter("age_start", "s", 0.0, Kind.FIXED, low=0.0),
+    )
 
     def ages(self, n: Numbers) -> bool:
         """Return whether mu_s grows at rest: with tau_s and a gap, or with B; not without N."""

@@ -6,11 +6,9 @@ the decimals they were typed as. docs/theory.md, the model and (2).
 
 import functools
 import math
-import tomllib
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from enum import StrEnum
-from pathlib import Path
 from typing import Any, TypeAlias
 
 import mpmath
@@ -39,7 +37,6 @@ class Parameter:
     strict: bool = False  # whether the bound itself is excluded
     directed: bool = False  # whether it changes its sign in the mirror image of a run
     chosen: bool = False  # whether it is a choice, and no datum that may be a little off
-    meaning: str = ""
 
     def check(self, value: float) -> None:
         """Raise a ValueError with name, value and range if `value` is no finite number in range."""
@@ -51,19 +48,23 @@ class Parameter:
         raise ValueError(f"{self.name} = {value!r} is outside {sense}")
 
 
-_TABLES = tomllib.loads(Path(__file__).with_suffix(".toml").read_text("utf-8"))
+PARAMETERS = (
+    Parameter("m", "kg", 1.0, Kind.FIXED, low=0.0, strict=True),
+    Parameter("g", "m/s2", 9.81, Kind.FIXED, low=0.0, strict=True),
+    Parameter("k", "N/m", 1000.0, Kind.TUNABLE, low=0.0, strict=True),
+    Parameter("c", "N.s/m", 0.0, Kind.TUNABLE, low=0.0),
+    Parameter("mu_s", "1", 0.5, Kind.TUNABLE, low=0.0),
+    Parameter("mu_k", "1", 0.3, Kind.TUNABLE, low=0.0),
+    Parameter("v", "m/s", 0.02, Kind.INPUT, directed=True),
+    Parameter("load", "N", 0.0, Kind.INPUT),
+    Parameter("F_ext", "N", 0.0, Kind.INPUT, directed=True),
+    Parameter("x_start", "m", 0.0, Kind.FIXED, directed=True),
+    Parameter("x_dot_start", "m/s", 0.0, Kind.FIXED, directed=True),
+    Parameter("z_start", "m", 0.0, Kind.FIXED, directed=True),
+)
+"""The twelve parameters and inputs of the model: the one declaration of them in the verification.
 
-
-def rows(table: str) -> tuple[Parameter, ...]:
-    """Return the parameters of a table of ``parameters.toml``."""
-    return tuple(
-        Parameter(name, **{**row, "kind": Kind(row["kind"])})
-        for name, row in _TABLES[table].items()
-    )
-
-
-PARAMETERS = rows("model")
-"""The twelve parameters and inputs of the model."""
+A load also has to be >= -m g, which `complete` checks."""
 
 START_VALUES: Mapping[str, float] = {each.name: each.start for each in PARAMETERS}
 """Values taken where none is given, SI."""

@@ -14,7 +14,7 @@ from enum import IntEnum
 
 from .law import FrictionLaw
 from .march import NearRest
-from .parameters import Context, Number, Numbers, rows
+from .parameters import Context, Kind, Number, Numbers, Parameter
 from .series import Series
 
 MOST_POINTS = 12  # a curve has at most as many points
@@ -28,10 +28,26 @@ class Shape(IntEnum):
     CURVE = 3
 
 
+def _own_parameters() -> tuple[Parameter, ...]:
+    points = [Parameter("mu_1", "1", 0.5, Kind.FIXED, low=0.0)]
+    for i in range(2, MOST_POINTS + 1):
+        points += [
+            Parameter(f"u_{i}", "m/s", (i - 1) / 10, Kind.FIXED, low=0.0, strict=True),
+            Parameter(f"mu_{i}", "1", 0.3, Kind.FIXED, low=0.0),
+        ]
+    return (
+        Parameter("shape", "1", 1.0, Kind.FIXED, low=1.0, chosen=True),
+        Parameter("v_s", "m/s", 0.01, Kind.TUNABLE, low=0.0, strict=True),
+        Parameter("delta", "1", 2.0, Kind.TUNABLE, low=1.0, chosen=True),
+        Parameter("n_points", "1", 2.0, Kind.FIXED, low=2.0, chosen=True),
+        *points,
+    )
+
+
 class Stribeck(FrictionLaw):
     """The three shapes; the break-away force is mu_s N at any age."""
 
-    parameters = rows("stribeck")
+    parameters = _own_parameters()
     digits = 20
 
     def check(self, values: Mapping[str, float]) -> None:
