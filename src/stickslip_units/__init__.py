@@ -9,10 +9,13 @@ from .quantity import (
     Kind,
     QuantityError,
     Units,
+    between,
+    in_unit,
     on_data_sheet,
     parse_range,
     parts_of,
     typed,
+    typed_in,
 )
 from .shown import (
     EXACT,
@@ -52,9 +55,11 @@ __all__ = [
     "Scale",
     "Unit",
     "Units",
+    "between",
     "conversion",
     "decibels",
     "defined",
+    "in_unit",
     "number",
     "on_data_sheet",
     "parse_range",
@@ -65,4 +70,5 @@ __all__ = [
     "spelled",
     "told",
     "typed",
+    "typed_in",
 ]

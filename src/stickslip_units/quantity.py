@@ -116,17 +116,51 @@ def parts_of(text: str) -> tuple[str, str]:
     return number.group(), symbol
 
 
-def _scaled(number: str, scale: Fraction) -> float:
+def _scaled(number: str, scale: Fraction, offset: Fraction = Fraction(0)) -> float:
     value = float(number)
-    # A number that is 0 or infinity as a double has an exponent that a fraction must not expand.
-    if scale != 1 and value != 0.0 and not math.isinf(value):
+    if (scale != 1 or offset != 0) and not math.isinf(value):
+        # A number that is 0 as a double may have an exponent that a fraction must not expand.
+        exact = Fraction(number) * scale if value else Fraction(0)
         try:
-            value = float(Fraction(number) * scale)
+            value = float(exact + offset) if exact or offset else value
         except OverflowError:
             value = math.inf
     if math.isinf(value):
         raise QuantityError("is larger than a double can hold")
     return value
+
+
+def in_unit(number: str, symbol: str, unit: str, known: Mapping[str, Unit]) -> float:
+    """Return a number with a unit as one in another unit, of those `known` and of data sheets.
+
+    Where that unit is empty a plain number alone is understood. `QuantityError` if a unit is
+    unknown, they are of different dimensions, or the number is larger than a double can hold.
+    """
+    if symbol in ("", unit):
+        return float(number)
+    if not unit:
+        raise QuantityError(f"has the unit {symbol!r}, and the model declares none")
+    return _scaled(number, *between(symbol, unit, known))
+
+
+def between(source: str, target: str, known: Mapping[str, Unit]) -> tuple[Fraction, Fraction]:
+    """Return factor and offset from numbers in one unit to those in another; as `in_unit`."""
+    one, other = (known.get(symbol) or on_data_sheet(symbol) for symbol in (source, target))
+    if one is None:
+        raise QuantityError(f"has the unknown unit {source!r}; the model's is {target!r}")
+    if other is None:
+        raise QuantityError(f"has the unit {source!r}; only the model's {target!r} is understood")
+    if one.dimension != other.dimension:
+        raise QuantityError(
+            f"has the unit {source!r}, which is no unit like the model's {target!r}"
+        )
+    return one.factor / other.factor, (one.offset - other.offset) / other.factor
+
+
+def typed_in(text: str, unit: str, known: Mapping[str, Unit]) -> float:
+    """Read a quantity in the unit of a model that defines those `known`; as `in_unit`."""
+    number, symbol = parts_of(text)
+    return in_unit(number, symbol, unit, known) if symbol else _scaled(number, Fraction(1))
 
 
 _TYPED: Final = Units(partial(spelled, all_below=True), KINDS)

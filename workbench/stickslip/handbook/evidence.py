@@ -8,6 +8,7 @@ from hashlib import sha3_256
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
+from stickslip.handbook.parts import rendered
 from stickslip.parameters import Parameters
 from stickslip.runs import DEFAULT_STEP, csv_bytes, experiment, simulate_fmu
 from stickslip_verification import packed_report
@@ -37,45 +38,7 @@ def result_file(fmu: Path, law: str) -> bytes:
 
 FOLDER: Final = "extra/org.fmi-standard.fmi-ls-ref/"
 MANIFEST: Final = "fmi-ls-manifest.xml"
-_EXPERIMENTS: Final = f"""\
-<?xml version='1.0' encoding='utf-8'?>
-<Experiments name="Default experiment">
-  <Experiment name="default" description="The block as it comes, with all start values."\
- startTime="0.0" stopTime="{STOP_TIME!r}" tolerance="{TOLERANCE!r}" stepSize="{DEFAULT_STEP!r}">
-    <References source="default.csv" type="text/csv" />
-  </Experiment>
-</Experiments>
-"""
-# The draft fixes the words of its description.
-_MANIFEST: Final = """\
-<?xml version='1.0' encoding='utf-8'?>
-<fmiReferences xmlns:fmi-ls="http://fmi-standard.org/fmi-ls-manifest"\
- fmi-ls:fmi-ls-name="org.fmi-standard.fmi-ls-ref" fmi-ls:fmi-ls-version="1.0.0-alpha.1"\
- fmi-ls:fmi-ls-description="Layered Standard providing information on related files included in an\
- FMU.">
-{}</fmiReferences>
-"""
-_RELATED: Final = """\
-  <Related type="{}" source="{}" role="{}" description="{}" checksum="{}" checksumType="SHA3-256" />
-"""
-_ABOUT: Final = {
-    "default.experiments.xml": (
-        "application/x-ma-ls-experiments",
-        "experiment/smoke-test",
-        "The default experiment: 10 s at steps of 0.01 s, start values as they are.",
-    ),
-    "default.csv": (
-        "text/csv",
-        "result",
-        "What this FMU gave in the default experiment, at every communication point, SI units.",
-    ),
-    "report.html": (
-        "text/html",
-        "report",
-        "The verification of this FMU against exact solutions, with the digest of its content.",
-    ),
-}
-"""Media type, role and description of each file."""
+EXPERIMENTS: Final = "default.experiments.xml"
 
 
 def evidence(fmu: Path, verdict: "Verdict", law: str) -> dict[str, bytes]:
@@ -85,13 +48,14 @@ def evidence(fmu: Path, verdict: "Verdict", law: str) -> dict[str, bytes]:
     built-in one. ParameterError or FmuError if it cannot be simulated.
     """
     contents = {
-        "default.experiments.xml": _EXPERIMENTS.encode(),
+        EXPERIMENTS: _xml(EXPERIMENTS, stop=STOP_TIME, tolerance=TOLERANCE, step=DEFAULT_STEP),
         "default.csv": result_file(fmu, law),
         "report.html": packed_report(verdict).encode(),
     }
-    rows = (
-        _RELATED.format(kind, name, role, words, sha3_256(contents[name]).hexdigest())
-        for name, (kind, role, words) in _ABOUT.items()
-    )
-    contents[MANIFEST] = _MANIFEST.format("".join(rows)).encode()
+    digests = {name: sha3_256(content).hexdigest() for name, content in contents.items()}
+    contents[MANIFEST] = _xml(MANIFEST, digests=digests)
     return {FOLDER + name: content for name, content in contents.items()}
+
+
+def _xml(name: str, **values: object) -> bytes:
+    return f"{rendered(name, **values)}\n".encode()

@@ -35,7 +35,7 @@ def document(fmi_version: int, *, native: bool = False, law: str = COULOMB_NAME)
     friction law, a built-in one.
     """
     own = friction_law(law).law.interface
-    return _rendered(
+    return rendered(
         "index.html.j2",
         fmi_version=fmi_version,
         native=native,
@@ -46,42 +46,24 @@ def document(fmi_version: int, *, native: bool = False, law: str = COULOMB_NAME)
     )
 
 
-def _rendered(template: str, **names: Any) -> str:
-    return (
-        environment_of(_text)
-        .get_template(template)
-        .render(
-            version=VERSION,
-            date=DATE.partition("T")[0],
-            style=Markup(_text("handbook.css")),
-            **names,
-        )
-    )
+def rendered(template: str, **names: Any) -> str:
+    """Return a file of the FMU whose template lies beside this one."""
+    common = {"version": VERSION, "date": DATE.partition("T")[0]}
+    style = Markup(_text("handbook.css"))
+    return environment_of(_text).get_template(template).render(**common, style=style, **names)
 
 
 def _text(name: str) -> str:
     return (_SOURCES / name).read_text(encoding="utf-8")
 
 
-def _groups(table: Table) -> list[tuple[str, list[dict[str, str]]]]:
+def _groups(table: Table) -> dict[str, list[Variable]]:
     """Return the rows of the interface tables, by what they are to a user."""
-    groups: dict[str, list[dict[str, str]]] = {}
+    groups: dict[str, list[Variable]] = {}
     for row in table.rows:
         title = _TITLES[row.causality, row.attribute.startswith("meter.")]
-        groups.setdefault(title, []).append(_row(row))
-    return list(groups.items())
-
-
-def _row(row: Variable) -> dict[str, str]:
-    return {
-        "name": row.name,
-        "type": row.kind,
-        "unit": "" if row.unit == "1" else row.unit,
-        "start": "" if row.start is None else f"{row.start:g}",
-        "range": row.range if row.type.items else row.range.partition("finite and ")[2],
-        "when": row.variability if row.causality == "parameter" else "",
-        "what": row.description,
-    }
+        groups.setdefault(title, []).append(row)
+    return groups
 
 
 def icon() -> bytes:
@@ -152,5 +134,5 @@ def parts(
         found["documentation/index.html"] = text.encode()
     if law == COULOMB_NAME:
         found["documentation/explore.html"] = page().encode()
-        found["documentation/fmi-ls-ref.html"] = _rendered("fmi-ls-ref.html.j2").encode()
+        found["documentation/fmi-ls-ref.html"] = rendered("fmi-ls-ref.html.j2").encode()
     return found

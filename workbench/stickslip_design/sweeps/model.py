@@ -19,7 +19,7 @@ from pathlib import Path
 from typing import Final, NamedTuple, NoReturn
 from xml.etree.ElementTree import Element, fromstring
 
-from stickslip_units import Conversion, QuantityError, Unit, on_data_sheet
+from stickslip_units import Conversion, QuantityError, Unit, between, in_unit
 from stickslip_verification import FmuError
 from stickslip_verification.drive import description as names
 from stickslip_verification.drive.description import NUMBERS, Description, check_size, unpack
@@ -30,42 +30,6 @@ from ..chunks import StudyError
 
 class SweepError(StudyError):
     """A model, a plan or a table of it cannot be used; one line with file, line, name, reason."""
-
-
-def in_unit(units: Mapping[str, Unit], number: str, symbol: str, unit: str) -> float:
-    """Return a number with a unit as one in another unit, where a model defines `units`.
-
-    Where that unit is empty a plain number alone is understood. `QuantityError` if a unit is
-    unknown, they are of different dimensions, or the number is larger than a double can hold.
-    """
-    if symbol in ("", unit):
-        return float(number)
-    if not unit:
-        raise QuantityError(f"has the unit {symbol!r}, and the model declares none")
-    factor, offset = between(units, symbol, unit)
-    # A number that is 0 as a double may have an exponent that a fraction must not expand.
-    exact = Fraction(number) if float(number) != 0.0 else Fraction(0)
-    try:
-        return float(exact * factor + offset)
-    except OverflowError:
-        raise QuantityError("is larger than a double can hold") from None
-
-
-def between(units: Mapping[str, Unit], source: str, target: str) -> tuple[Fraction, Fraction]:
-    """Return factor and offset from numbers in one unit to those in another.
-
-    `QuantityError` if one of them is unknown, or they are of different dimensions.
-    """
-    one, other = (units.get(symbol) or on_data_sheet(symbol) for symbol in (source, target))
-    if one is None:
-        raise QuantityError(f"has the unknown unit {source!r}; the model's is {target!r}")
-    if other is None:
-        raise QuantityError(f"has the unit {source!r}; only the model's {target!r} is understood")
-    if one.dimension != other.dimension:
-        raise QuantityError(
-            f"has the unit {source!r}, which is no unit like the model's {target!r}"
-        )
-    return one.factor / other.factor, (one.offset - other.offset) / other.factor
 
 
 _STRUCTURE: Final = "SystemStructure.ssd"
@@ -457,7 +421,7 @@ def _wires(
         factor, offset = Fraction(1), Fraction(0)
         if change.converts and unit and of_input not in ("", unit):
             try:
-                factor, offset = between(units, unit, of_input)
+                factor, offset = between(unit, of_input, units)
             except QuantityError as error:
                 raise SweepError(f"{path}: what drives {target} {error}") from None
         scale = change.factor
@@ -473,7 +437,7 @@ def _bound(
             why = variable.hindrance if variable else "is no variable of its FMU"
             raise SweepError(f"{path}: gives a value to {name}, which {why}")
         try:
-            value = in_unit(units, number, unit, variable.unit)
+            value = in_unit(number, unit, variable.unit, units)
             variable.check(value)
         except QuantityError as error:
             raise SweepError(f"{path}: its value of {name} {error}") from None

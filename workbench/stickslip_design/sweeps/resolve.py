@@ -21,11 +21,11 @@ from typing import Any, Final, NamedTuple, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip_units import BETWEEN, QuantityError, Unit, parse_range, parts_of
+from stickslip_units import BETWEEN, QuantityError, in_unit, parse_range, typed_in
 
 from ..curve_file import csv_lines
 from ..datasets import need
-from .model import Model, SweepError, Variable, in_unit
+from .model import Model, SweepError, Variable
 from .plan import PlanFile, Scalar, is_tabular, nearest
 from .runs import column_of, reduces
 
@@ -122,18 +122,6 @@ _WHOLE = 1e-9
 """Of a step: by how much the last one may be off and still count as whole."""
 
 
-def read_as(units: Mapping[str, Unit], text: str, unit: str) -> float:
-    """Read a number in the unit that a model declares, which defines `units`.
-
-    A plain number is in that unit; where it is empty only these are understood. `QuantityError` if
-    the text is no finite number, or its unit is unknown or of another dimension.
-    """
-    number, symbol = parts_of(text)
-    if not math.isfinite(float(number)):
-        raise QuantityError("is larger than a double can hold")
-    return in_unit(units, number, symbol, unit)
-
-
 class Resolver(PlanFile):
     """A plan, a file or what its TOML says, for a model.
 
@@ -214,7 +202,7 @@ class Resolver(PlanFile):
         return np.array(numbers)
 
     def _numbers(self, variable: Variable, value: Scalar, *, in_list: bool) -> list[float]:
-        read = partial(read_as, self._model.units)
+        read = partial(typed_in, known=self._model.units)
         if not isinstance(value, str):
             return [float(value)]
         if BETWEEN not in value:
@@ -343,4 +331,4 @@ def _converted(columns: Columns, name: str, unit: str, model: Model | None) -> N
     if stated in ("", unit):
         return numbers
     units = model.units if model else {}
-    return np.array([in_unit(units, repr(value), stated, unit) for value in numbers.tolist()])
+    return np.array([in_unit(repr(value), stated, unit, units) for value in numbers.tolist()])
