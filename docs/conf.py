@@ -49,6 +49,8 @@ html_theme_options = {
 }
 
 NUMBER = re.compile(r"\\tag\{(\d+)\}")
+ROOM = re.compile(r"(?<=\\\\)\[[\d.]+ex\]")
+"""Room between rows, which the converter takes for a part of the next one."""
 
 
 def inline(site: HTML5Translator, node: nodes.math) -> None:
@@ -61,7 +63,9 @@ def displayed(site: HTML5Translator, node: nodes.math_block) -> None:
     """Write a formula of its own line; its number is an anchor, ``#eq-12``."""
     text = node.astext()
     number = NUMBER.search(text)
-    formula = convert(NUMBER.sub("", text), display="block")
+    # The environment that stands in a formula has another name for the converter.
+    rows = ROOM.sub("", NUMBER.sub("", text)).replace("{aligned}", "{align*}")
+    formula = convert(rows, display="block")
     mark = ""
     if number:
         name = f"eq-{number[1]}"
