@@ -126,8 +126,7 @@ def compiler_for(this_machine: bool) -> Compiler:
         if find_spec("ziglang") is None:
             raise CompilerError(
                 "the native FMU for all platforms is compiled by ziglang, which is not installed: "
-                "pip install 'stickslip[native]', or build for this machine alone (--this-machine), "
-                "with its cc"
+                "pip install 'stickslip[native]', or --this-machine: for this one alone, by its cc"
             )
         return Compiler((sys.executable, "-m", "ziglang", "cc"), PLATFORMS, is_zig=True)
     if shutil.which("cc") is None:
