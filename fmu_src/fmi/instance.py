@@ -206,12 +206,18 @@ class Instance(Fmi2Slave):  # type: ignore[misc]
             self.__dict__.pop("_model", None)
             raise self._fail(error) from None
 
-    @entry
     def _set_fmu_state(self, handle: Any) -> None:
-        state = handle.state if type(handle) is Handle else None
-        if state is None:
-            raise ModelError("the state to set is none that this FMU handed out")
-        self._model.thaw(state.model)
+        """Take up a state, after a failure too."""
+        try:
+            state = handle.state if type(handle) is Handle else None
+            if state is None:
+                raise ModelError("the state to set is none that this FMU handed out")
+            if not hasattr(self, "_model"):
+                self._model = self._spec.model(state.values)
+            self._model.thaw(state.model)
+        except BaseException as error:  # whatever it is, the importing process must survive it
+            raise self._fail(error) from None
+        self._fault = None
         self._values = state.values
         self._time = state.time
         self._phase = state.phase

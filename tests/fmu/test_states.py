@@ -5,7 +5,7 @@ import ctypes
 import pytest
 
 from tests.conftest import built, kinds
-from tests.driver import Host
+from tests.driver import Host, play
 from tests.fmu.acts import TURNS, lost, resumed, spoilt, written
 
 # A spring beyond F_s on both sides slips forward until 0.1 s, then backward.
@@ -26,6 +26,15 @@ def test_bytes_of_a_state_go_on_in_another_process(host: Host, fresh_host: Host)
     assert len({str(shown) for shown in expected}) == len(PLACES)
     states = [state for _, state in found]
     assert fresh_host.call(resumed, built("python-2"), states) == expected
+
+
+@pytest.mark.parametrize("kind", kinds())
+def test_a_state_brings_an_instance_back_after_a_refusal(kind: str, host: Host) -> None:
+    on = [["step", 0.2], ["get", "x", "x_dot", "t_event", "mu_k_used"]]
+    script = [["start", {}], ["step", 0.1], ["save"], *on, ["set", {"k": -1.0}], *on]
+    found = host.call(play, built(kind), [*script, ["restore"], *on])
+    assert "k = -1.0 N/m is out of range" in found[7]["messages"][-1]
+    assert found[10] == found[4]
 
 
 def test_a_state_that_was_spoilt_in_any_place_is_refused(host: Host) -> None:

@@ -1,9 +1,9 @@
 /* The functions of FMI 2.0 for co-simulation.
  *
  * A call that is refused returns fmi2Error, and the instance refuses all that depends on its motion
- * until fmi2Reset: instance.h. The memory functions of the simulator are not used. `loggingOn` is
- * about debug messages, and there are none: warnings and errors reach the log until
- * fmi2SetDebugLogging says otherwise. */
+ * until fmi2Reset or fmi2SetFMUstate: instance.h. The memory functions of the simulator are not
+ * used. `loggingOn` is about debug messages, and there are none: warnings and errors reach the log
+ * until fmi2SetDebugLogging says otherwise. */
 #include "export.h"
 #include "fmi2_types.h"
 #include "identity.h"

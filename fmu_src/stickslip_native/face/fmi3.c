@@ -1,8 +1,8 @@
 /* The functions of FMI 3.0, of which co-simulation without event mode has a part.
  *
  * A call that is refused returns fmi3Error, and the instance refuses all that depends on its motion
- * until fmi3Reset: instance.h. `loggingOn` is about debug messages, and there are none: warnings and
- * errors reach the log until fmi3SetDebugLogging says otherwise. */
+ * until fmi3Reset or fmi3SetFMUState: instance.h. `loggingOn` is about debug messages, and there are
+ * none: warnings and errors reach the log until fmi3SetDebugLogging says otherwise. */
 #include "export.h"
 #include "fmi3_types.h"
 #include "identity.h"

@@ -461,9 +461,9 @@ bool instance_get_state(struct instance *it, const char *call, void **handle)
 
 bool instance_set_state(struct instance *it, const void *handle)
 {
-    if (!sound(it) || !held(it, "set", handle)) return false;
+    if (it == NULL || !held(it, "set", handle)) return false;
     it->now = ((const struct state *)handle)->kept;
-    it->ready = false;
+    it->ready = it->failed = false;
     return true;
 }
 

@@ -2,8 +2,9 @@
  *
  * Every function that returns bool returns false where the call is refused. The reason was told to
  * the simulator's log then, and from there on every call of the instance is refused with it until
- * instance_reset; calls that do not depend on the motion are excepted, as each one says. An
- * instance that is NULL is refused without a message. `call` is the name of the FMI function.
+ * instance_reset or instance_set_state; calls that do not depend on the motion are excepted, as
+ * each one says. An instance that is NULL is refused without a message. `call` is the name of the
+ * FMI function.
  *
  * Nothing is kept outside of instances and states, so instances may run in threads of their own. */
 #ifndef STICKSLIP_INSTANCE_H

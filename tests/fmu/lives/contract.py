@@ -160,10 +160,10 @@ class Contract:
         self.states[slot] = self._sound(i).state()
 
     def restore(self, i: int, slot: int) -> None:
-        state = self.states[slot]
-        life = self._sound(i)
+        state, life = self.states[slot], self.lives[i]
         if state is None:
-            raise MustRefuseError(_NO_STATE)
+            raise MustRefuseError(life.fault or _NO_STATE)
+        life.fault = None
         for name, value in copy.deepcopy(state).items():
             setattr(life, name, value)
 
