@@ -39,8 +39,10 @@ class _Quantity(NamedTuple):
     units: Mapping[str, float]
 
 
-_COLUMNS = Path(__file__).with_name("columns.toml").read_text("utf-8")
-_QUANTITIES = {name: _Quantity(**entry) for name, entry in tomllib.loads(_COLUMNS).items()}
+_TABLES = tomllib.loads(Path(__file__).with_name("columns.toml").read_text("utf-8"))
+_QUANTITIES = {name: _Quantity(**entry) for name, entry in _TABLES["columns"].items()}
+POWERS = {float(power): names for power, names in _TABLES["powers"].items()}
+"""Units of x and F, by the factor that their numbers are too large."""
 
 
 class CurveError(ValueError):

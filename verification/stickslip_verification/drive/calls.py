@@ -50,11 +50,6 @@ class Caller:
         self._read = instance.reader(self.names)
         instance.set(defaults(fmu))
 
-    @property
-    def since(self) -> float:
-        """Time since the start [s]."""
-        return math.fsum(self.steps)
-
     def play(self, calls: Iterable[Call]) -> list[Row]:
         """Play calls; return the outputs after each step."""
         rows = []
@@ -66,7 +61,7 @@ class Caller:
                 self.instance.start({}, self.start)
             else:
                 for _ in range(call.get("times", 1)):
-                    self.instance.step(self.start + self.since, call["step"])
+                    self.instance.step(self.start + math.fsum(self.steps), call["step"])
                     self.steps.append(call["step"])
                     rows.append(self.row())
         return rows
@@ -263,7 +258,12 @@ def differences(
     got: Rows, expected: Rows, tolerance: float | None = None, ignored: Iterable[str] = ()
 ) -> list[str]:
     """Return how two motions differ; what is discrete must be equal, and NaN equals NaN."""
-    scales = {} if tolerance is None else _scales(chain(got, expected))
+    scales: dict[str, float] = {}
+    for row in chain(got, expected):
+        for name, value in row.items():
+            unit, discrete = QUANTITIES[name].unit, QUANTITIES[name].discrete
+            magnitude = abs(value) if math.isfinite(value) and not discrete else 0.0
+            scales[unit] = max(scales.get(unit, 0.0), magnitude)
     complaints = []
     for name in got[0]:
         exact = tolerance is None or QUANTITIES[name].discrete
@@ -282,16 +282,6 @@ def _dated(row: Row, like: Row, later: float) -> Row:
     dated = row["t_event"] - later
     nearer = abs(dated - like["t_event"]) < abs(row["t_event"] - like["t_event"])
     return {**row, "t_event": dated} if nearer else row
-
-
-def _scales(rows: Iterable[Row]) -> dict[str, float]:
-    scales: dict[str, float] = {}
-    for row in rows:
-        for name, value in row.items():
-            unit, discrete = QUANTITIES[name].unit, QUANTITIES[name].discrete
-            magnitude = abs(value) if math.isfinite(value) and not discrete else 0.0
-            scales[unit] = max(scales.get(unit, 0.0), magnitude)
-    return scales
 
 
 # The interface as it is specified, apart from any table of the FMU's own.

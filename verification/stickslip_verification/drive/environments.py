@@ -5,6 +5,7 @@ import faulthandler
 import gc
 import itertools
 import locale
+import math
 import os
 import pickle
 import statistics
@@ -54,7 +55,7 @@ def state_in_a_fresh_process(
     masters.need_ability(able, "serialize its state")
     check_playable(fmu, chain(calls, then))
     with calling(fmu, calls) as caller:
-        state = caller.instance.written(caller.instance.get_state()), caller.since
+        state = caller.instance.written(caller.instance.get_state()), math.fsum(caller.steps)
         expected = caller.play(then)
     fresh = _Fresh(fmu, [{"start": caller.start}], then, state)
     return fresh.differences(expected, tolerance, environment)

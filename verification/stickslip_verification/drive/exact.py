@@ -257,14 +257,6 @@ def slope(tolerances: Sequence[float], errors: Sequence[float]) -> float:
     return float(np.polyfit(np.log(tolerances), np.log(errors), 1)[0])
 
 
-def halves(order: ObservedOrder) -> float:
-    """Return the slope of the coarser half of the levels less that of the finer half."""
-    tolerances, errors = order.tolerances, order.errors
-    middle = len(errors) // 2
-    coarser = slope(tolerances[: middle + 1], errors[: middle + 1])
-    return coarser - slope(tolerances[middle:], errors[middle:])
-
-
 FOLDER = "STICKSLIP_KEPT"
 """The environment variable that names the folder: one's own, for its files are pickles, and new in
 each session, for they do not say from what code they come."""

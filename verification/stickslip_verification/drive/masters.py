@@ -59,15 +59,6 @@ def setting_of(fmu: FmuFile, case: Case) -> Setting:
     return Setting({n: value for n, value in values.items() if fmu.has(n)}, case.steps)
 
 
-def can_run(fmu: FmuFile, case: Case) -> bool:
-    """Whether an FMU has what a case needs."""
-    try:
-        setting_of(fmu, case)
-    except NotApplicableError:
-        return False
-    return True
-
-
 def require_law(fmu: FmuFile, case: Case) -> None:
     """Raise `FmuError` if an FMU lacks a parameter of the friction law of a case, not Coulomb's."""
     if case.law == COULOMB_NAME:

@@ -249,11 +249,7 @@ RUNS: Mapping[str, Way] = {
     "two_instances": Way(begin=partial(_begin_both, v=0.037), set=_step_other_before, instances=2),
     "shifted": Way(setting=_shifted, begin=_begin_motion, reads_start=False),
     "continued": Way(
-        setting=_startable,
-        begin=_begin_to_leave,
-        set=_go_on_anew,
-        reads_start=False,
-        instances=2,
+        setting=_startable, begin=_begin_to_leave, set=_go_on_anew, reads_start=False, instances=2
     ),
 }
 """What an invariant can name as ``run``."""

@@ -162,6 +162,8 @@ class Worker:
         self._process.start()
         # With a copy here, the end of the process would not end the connection.
         theirs.close()
+        # For `multiprocessing.connection.wait`: an answer, and the end of the process.
+        self.handles = self.connection, self._process.sentinel
         self._has_guard = memory is not None and sys.platform != "win32"
         if sys.platform != "win32":
             # A wait for the rest of what is sent or taken ends with an `OSError`: socket(7).
@@ -169,11 +171,6 @@ class Worker:
             with socket.fromfd(self.connection.fileno(), socket.AF_UNIX, socket.SOCK_STREAM) as own:
                 own.setsockopt(socket.SOL_SOCKET, socket.SO_RCVTIMEO, seconds)
                 own.setsockopt(socket.SOL_SOCKET, socket.SO_SNDTIMEO, seconds)
-
-    @property
-    def handles(self) -> tuple[Any, Any]:
-        """What `multiprocessing.connection.wait` takes: an answer, and the end of the process."""
-        return self.connection, self._process.sentinel
 
     def give(self, task: Task, arguments: tuple[Any, ...]) -> None:
         """Send a task; one to a process that has ended is lost, which `answer` says."""

@@ -6,7 +6,7 @@ method that adapts its steps and locates them. They are right and only so accura
 
 import math
 import tomllib
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
@@ -122,14 +122,11 @@ _METHODS: Final[Mapping[str, Method]] = {
 }
 
 
-def _solvers() -> Iterator[tuple[str, Solver]]:
-    file = Path(__file__).with_suffix(".toml")
-    for name, entry in tomllib.loads(file.read_text("utf-8")).items():
-        method = _METHODS.get(entry.pop("method", ""))
-        yield name, Solver(method, **entry)
-
-
-SOLVERS: Final[Mapping[str, Solver]] = dict(_solvers())
+_FILE: Final = Path(__file__).with_suffix(".toml")
+SOLVERS: Final[Mapping[str, Solver]] = {
+    name: Solver(_METHODS.get(entry.pop("method", "")), **entry)
+    for name, entry in tomllib.loads(_FILE.read_text("utf-8")).items()
+}
 """The family by its names, which say method and step, or tolerance."""
 
 Acceleration = Callable[

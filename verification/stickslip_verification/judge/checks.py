@@ -10,8 +10,7 @@ from typing import Any, Final, Literal
 
 import numpy as np
 
-from ..drive.exact import Exact, halves
-from ..drive.exact import slope as slope_of
+from ..drive.exact import Exact, slope
 from ..drive.instance import FmuFile
 from ..drive.processes import Answer
 from ..model.quantities import FORMULAS, OUTPUT_NAMES, QUANTITIES
@@ -394,8 +393,11 @@ def judge_order(
         if order is None:
             yield replace(row, failure=seen.failure)
             continue
-        slope = slope_of(list(order.tolerances), list(order.errors))
-        got = halves(order) if suffix else slope
+        levels, errors, middle = order.tolerances, order.errors, len(order.errors) // 2
+        got = slope(levels, errors)
+        if suffix:
+            coarser = slope(levels[: middle + 1], errors[: middle + 1])
+            got = coarser - slope(levels[middle:], errors[middle:])
         if np.isfinite(got):
             yield compared(row, expected, got, abs(got - expected))
         else:

@@ -153,22 +153,15 @@ class Written:
         except ValidationError as error:
             errors = [_detail(each["loc"], _reason(cls, dict(each))) for each in error.errors()]
         if isinstance(data, dict):
-            errors += [_detail(place, reason) for place, reason in _conflicts(cls, data)]
+            for name in data:
+                needs, excludes = cls.NEEDS.get(name, ()), cls.EXCLUDES.get(name, ())
+                errors += [_detail([name], f"needs {o}") for o in needs if o not in data]
+                errors += [_detail([name], f"does not go with {o}") for o in excludes if o in data]
+            if cls.SOME and not set(cls.SOME) & data.keys():
+                errors.append(_detail((), f"needs {' or '.join(cls.SOME)}"))
         if made is None or errors:
             raise ValidationError.from_exception_data(cls.__name__, errors)
         return made
-
-
-def _conflicts(model: type[Written], data: Mapping[str, Any]) -> Iterator[tuple[Place, str]]:
-    for name in data:
-        for other in model.NEEDS.get(name, ()):
-            if other not in data:
-                yield (name,), f"needs {other}"
-        for other in model.EXCLUDES.get(name, ()):
-            if other in data:
-                yield (name,), f"does not go with {other}"
-    if model.SOME and not set(model.SOME) & data.keys():
-        yield (), f"needs {' or '.join(model.SOME)}"
 
 
 def _detail(place: Place, reason: str) -> InitErrorDetails:

@@ -122,6 +122,7 @@ class _Tables(Written):
     formulas: Annotated[tuple[Formula, ...], listed("name")]
     quantities: Annotated[tuple[Quantity, ...], listed("name")]
     cycle: Mapping[str, tuple[str, ...]]
+    asymptotic: Mapping[str, Text]
 
 
 _TABLES: _Tables = DataFile(Path(__file__).with_suffix(".toml"), DataError).read(_Tables)
@@ -137,5 +138,6 @@ GROUPS: Mapping[str, tuple[str, ...]] = {
 }
 """Outputs that a case can name together; the others follow from these by an invariant each."""
 
-CYCLE = _TABLES.cycle
-"""Formulas of outputs in the steady cycle: without damping, and with it where there is one."""
+ASYMPTOTIC, CYCLE = _TABLES.asymptotic, _TABLES.cycle
+"""Meaning of an error that does not fall at one rate; formulas of outputs in the steady cycle,
+without damping, and with it where there is one."""

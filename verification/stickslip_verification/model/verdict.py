@@ -9,13 +9,11 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from ..truth import Step
-from ..truth.course import Event as ExactEvent
+from ..truth.course import Event as Event
+from ..truth.course import Step
 
 Series = NDArray[np.float64]
-
-CommunicationStep = Step
-"""One step of ``h`` [s]; ``changes`` (name to value, SI) are set just before it."""
+CommunicationStep = Step  # of h [s]; its changes (name to value, SI) are set just before it
 
 
 def points(lengths: Iterable[float]) -> tuple[float, ...]:
@@ -52,10 +50,6 @@ class Transition(StrEnum):
     BREAK_AWAY = "break-away"
     RE_STICK = "re-stick"
     REVERSAL = "reversal"
-
-
-Event = ExactEvent
-"""A transition at a time [s]: the mode from then on, position x and extension z [m]."""
 
 
 def events_between(samples: NDArray[np.void], v: float) -> tuple[tuple[Event, ...], int]:

@@ -62,6 +62,7 @@ def render(
     """
     failures = failed_checks(verdict, (Outcome.FAIL,))
     pictures = plots.draw_cases(verdict)
+    failed = [case for check in failures for case in sorted(check.cases, key="default".__ne__)]
     return files.environment().get_template("index.html.j2").render(
         verdict=verdict,
         asked_last=LIKELIEST,
@@ -76,7 +77,8 @@ def render(
             (order, slope(order.tolerances, order.errors), plots.draw_order(order, n))
             for n, order in enumerate(verdict.orders)
         ],
-        shown=_shown(pictures, failures),
+        # On the first screen: of the likeliest cause, the default one before any other.
+        shown=next((case for case in (*failed, "default", *pictures) if case in pictures), None),
         groups=_groups(verdict),
         sequences=SEQUENCES,
         numbered=list(enumerate(verdict.checks)),
@@ -98,12 +100,8 @@ def write_report(
     Everything is made before the first file is touched. The arguments are those of `render`.
     """
     page = render(verdict, meanings=meanings, full=full)
-    written = {
-        "report.json": files.json_text(verdict),
-        "junit.xml": files.as_junit(verdict),
-        "index.html": page,
-    }
-    write_all({folder / name: text for name, text in written.items()})
+    data = {folder / "report.json": files.json_text(verdict)}
+    write_all(data | {folder / "junit.xml": files.as_junit(verdict), folder / "index.html": page})
 
 
 def failed_checks(verdict: Verdict, outcomes: Collection[Outcome]) -> list[FailedCheck]:
@@ -151,15 +149,6 @@ def _likeliest(
     made = [each.check for each in failures if not all(result.late for _, result in each.results)]
     meaning = meanings.get(made[0]) if made else None
     return "" if meaning is None or not meaning.look else f"Likeliest cause: {meaning.look}"
-
-
-def _shown(drawn: Collection[str], failures: Sequence[FailedCheck]) -> str | None:
-    """Return the case whose curve is on the first screen, or None where none is drawn.
-
-    It is one of the likeliest cause, the default one before any other.
-    """
-    failed = [case for check in failures for case in sorted(check.cases, key="default".__ne__)]
-    return next((case for case in (*failed, "default", *drawn) if case in drawn), None)
 
 
 def _groups(verdict: Verdict) -> dict[str, list[CaseResults]]:

@@ -31,9 +31,7 @@ OTHER_STEPS: Final = frozenset(
 )
 """Runs and manners that take other steps, or meet absolute tolerances, and so err otherwise."""
 
-OF_EXACT: Final = frozenset(
-    {"step-ends-at-break-away", "step-ends-at-restick", "slips-after-break-away"}
-)
+OF_EXACT: Final = ("step-ends-at-break-away", "step-ends-at-restick", "slips-after-break-away")
 """Probes that ask for the very instant of a transition."""
 
 OF_OWN_LAW: Final = 1e-7  # delta that is expected under a friction law that the solvers do not know
@@ -330,11 +328,6 @@ def _off(worst: accuracy.Deviation) -> str:
 def place_of(result: CheckResult) -> str:
     """Return the output and the time at which a run is farthest off in its data, else nothing."""
     return result.quantity.partition("data off, by ")[2]
-
-
-def output_of(result: CheckResult) -> str:
-    """Return the output that a plain run is off by."""
-    return place_of(result).partition(" ")[0]
 
 
 FINISHES = "runs-to-the-end"

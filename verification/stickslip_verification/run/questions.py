@@ -8,7 +8,7 @@ in no other run another one; else there is none that explains it alone.
 import math
 import tomllib
 from collections import Counter
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from itertools import takewhile
@@ -25,7 +25,7 @@ from ..model.verdict import LIKELIEST, SEQUENCE, CheckResult, Kind, Question, Se
 from ..suite.cases import Case
 from ..suite.invariants import load_invariants
 from ..truth.course import BUILT_IN
-from .comparisons import FEW, Solution, as_large, output_of, place_of
+from .comparisons import FEW, Solution, as_large, place_of
 from .experiment import Runs
 
 _TABLES: Final = tomllib.loads(Path(__file__).with_suffix(".toml").read_text("utf-8"))
@@ -54,7 +54,7 @@ def cause(failures: Sequence[Plain], others: Sequence[Plain]) -> str | None:
     """
     if not failures:
         return None
-    for words, instead in _OUTPUTS.items():
+    for words, instead in _TABLES["outputs"].items():
         if all(_left([_of_output(shown, instead)]) <= EXPLAINS for shown in failures):
             return f"{', '.join(dict.fromkeys(shown.output for shown in failures))} {words}"
     if any(shown.output not in SHARES for shown in failures):
@@ -67,11 +67,21 @@ def cause(failures: Sequence[Plain], others: Sequence[Plain]) -> str | None:
         )
     failures = sorted(failures, key=lambda shown: shown.run.times[-1])
     others = sorted(others, key=lambda shown: shown.run.times[-1])[:OTHERS]
+    models: dict[str, Model] = {
+        words: partial(_delayed if "acts" in entry else _valued, **entry)
+        for words, entry in _TABLES["causes"].items()
+    }
+    models |= {words: partial(Slider, _SOLVER, acceleration=a) for words, a in STRUCTURES.items()}
     left = {}
-    for words, model in _models():
+    for words, model in models.items():
         parts = (_left(_of_motion(shown, model)) for shown in failures)
         explained = list(takewhile(lambda part: part <= EXPLAINS, parts))
-        if len(explained) == len(failures) and not any(_contradicts(of, model) for of in others):
+        # Nor may it move otherwise than an FMU that is right.
+        if len(explained) == len(failures) and not any(
+            rest > _ALSO * off + _PART * size
+            for of in others
+            for off, rest, size in _of_motion(of, model)
+        ):
             left[words] = max(explained)
     # Of those that explain about as much, the first is the simplest.
     least = min(left.values(), default=0.0)
@@ -82,12 +92,6 @@ def _left(distances: Sequence[Distance]) -> float:
     """Return what a cause leaves of the deviation, where most is left."""
     parts = [rest / min(off, size) for off, rest, size in distances if off > 0.0 and size > 0.0]
     return max(parts, default=1.0) if np.all(np.isfinite(parts)) else 1.0
-
-
-def _contradicts(shown: Plain, model: Model) -> bool:
-    """Whether a model moves otherwise than an FMU that is right."""
-    distances = _of_motion(shown, model)
-    return any(rest > _ALSO * off + _PART * size for off, rest, size in distances)
 
 
 def _of_motion(shown: Plain, model: Model) -> list[Distance]:
@@ -101,11 +105,13 @@ def _of_motion(shown: Plain, model: Model) -> list[Distance]:
     return [(_mean(off), _mean(rest), _mean(size)) for off, rest, size in rows]
 
 
-def _of_output(shown: Plain, instead: Callable[[Series, Plain], Series]) -> Distance:
+def _of_output(shown: Plain, instead: str) -> Distance:
     """Return the distances of an output from what would be right if it showed another one."""
     got, exact = (run.outputs[shown.output] for run in (shown.run, shown.exact))
     meant = np.isfinite(got) & np.isfinite(exact)
-    off, rest, size = got - exact, instead(got, shown) - exact, exact
+    names = {"got": got, "exact": exact, "x_dot": shown.exact.outputs["x_dot"]}
+    names["damping"] = _damping(shown)
+    off, rest, size = got - exact, eval(instead, vars(np), names) - exact, exact
     return _mean(off[meant]), _mean(rest[meant]), _mean(size[meant])
 
 
@@ -128,13 +134,6 @@ def _creep(shown: Plain) -> float | None:
     rates = got["x_dot"][sticks] / got["F"][sticks]
     low, middle, high = np.quantile(rates, (0.25, 0.5, 0.75))
     return float(middle) if middle > 0.0 and high - low <= _EVEN * middle else 0.0
-
-
-def _models() -> Iterator[tuple[str, Model]]:
-    for words, entry in _TABLES["causes"].items():
-        yield words, partial(_delayed if "acts" in entry else _valued, **entry)
-    for words, acceleration in STRUCTURES.items():
-        yield words, partial(Slider, _SOLVER, acceleration=acceleration)
 
 
 def _valued(case: Case, name: str, factor: float = 1.0, of: str = "") -> Slider:
@@ -188,19 +187,6 @@ STRUCTURES: Final[Mapping[str, Acceleration]] = {
     "F_ext has the other sign in slip": _slip(push=-1.0),
 }
 """What models make of the equation of motion in slip."""
-
-_OUTPUTS: Final[Mapping[str, Callable[[Series, Plain], Series]]] = {
-    "has the other sign": lambda got, _: -got,
-    "has the other sign in backward motion": lambda got, of: np.where(
-        of.exact.outputs["x_dot"] < 0.0, -got, got
-    ),
-    "is 1000 times too large": lambda got, _: 1e-3 * got,
-    "is 1000 times too small": lambda got, _: 1e3 * got,
-    "is that of the step before": lambda got, _: np.append(got[1:], got[-1]),
-    "lacks the damping force": lambda got, of: got - _damping(of),
-    "has a constant added": lambda got, of: got - np.median(got - of.exact.outputs[of.output]),
-}
-"""What would be right, from an output that shows something else."""
 
 
 def _damping(shown: Plain) -> Series:
@@ -395,7 +381,9 @@ def _likeliest(solved: Solution, failed: Sequence[CheckResult], runs: Runs) -> s
     plain = [each for each in ended if _plain(each) and each.case in known]
     if not plain:
         return _telling(ended) if ended else ""
-    worst = [replace(shown[each.case], output=output_of(each)) for each in plain[:WORST]]
+    worst = [
+        replace(shown[each.case], output=place_of(each).partition(" ")[0]) for each in plain[:WORST]
+    ]
     said = cause(worst, others)
     drawn = _set(worst[0].case) if worst[0].case.id.startswith(SEQUENCE) else ""
     if said is None:

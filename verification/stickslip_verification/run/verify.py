@@ -12,7 +12,7 @@ import tempfile
 from collections import Counter
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from contextlib import closing
+from contextlib import closing, suppress
 from dataclasses import replace
 from datetime import UTC, datetime
 from functools import partial
@@ -25,7 +25,7 @@ from ..drive.description import FmuError, NameMap, content_digest
 from ..drive.environments import LONG_PROBES, OF_NUMERICAL
 from ..drive.exact import Exact
 from ..drive.instance import FmuFile, require
-from ..drive.masters import can_run, fitting, law_of, may_change, require_law
+from ..drive.masters import NotApplicableError, fitting, law_of, may_change, require_law, setting_of
 from ..judge import checks
 from ..model.verdict import (
     CheckResult,
@@ -266,7 +266,11 @@ def verify(
         file.look_for(COULOMB.parameters, optional=True)
         grows = all(file.has(each.name) for each in COULOMB.parameters)
         origin = provenance(file, command)
-        applying = frozenset(case.id for case in cases if can_run(file, case))
+        applying: set[str] = set()  # cases that it has all for
+        for case in cases:
+            with suppress(NotApplicableError):
+                setting_of(file, case)
+                applying.add(case.id)
         scope = drawing.Scope(
             frozenset(name for name in START_VALUES if file.has(name)),
             frozenset(name for name in CHANGEABLE if file.has(name) and may_change(file, name)),

@@ -17,7 +17,15 @@ from pydantic.dataclasses import dataclass as model
 
 from .. import truth
 from ..model import data_file as data
-from ..model.quantities import CYCLE, FORMULAS, GROUPS, OUTPUT_NAMES, QUANTITIES, Quantity
+from ..model.quantities import (
+    ASYMPTOTIC,
+    CYCLE,
+    FORMULAS,
+    GROUPS,
+    OUTPUT_NAMES,
+    QUANTITIES,
+    Quantity,
+)
 from ..model.verdict import CaseGroup, CommunicationStep, Klass, Measure, points
 from ..truth.course import COULOMB_NAME
 from ..truth.parameters import PARAMETERS, Parameter, changeable, complete
@@ -531,12 +539,7 @@ def meanings(cases: Iterable[Case], invariants: Invariants) -> dict[str, Meaning
     }
     about |= {invariant.id: invariant for invariant in invariants}
     found = {name: Meaning(of.means, of.look) for name, of in about.items()}
-    asymptotic = Meaning(
-        "The error does not fall at one rate over all tolerances, so the observed order proves "
-        "nothing about the reference.",
-        "The coarsest tolerances, where a largest step limits the steps, or the finest, where "
-        "rounding hides the error.",
-    )
+    asymptotic = Meaning(**ASYMPTOTIC)
     return found | {f"{invariant.id}-asymptotic": asymptotic for invariant in invariants.orders}
 
 

@@ -26,7 +26,6 @@ from pydantic import Field
 from pydantic.dataclasses import dataclass
 
 from ..model import data_file as data
-from ..model.data_file import replacing
 from ..truth import COULOMB_NAME
 
 FAULTS_FOLDER = Path(__file__).parent / "faults"
@@ -208,7 +207,7 @@ def plant(fmu: Path, mutant: Mutant, destination: Path) -> Path:
     }
     renamed[DESCRIPTION] = _GUID.sub(f'guid="{digest}"'.encode(), renamed[DESCRIPTION], count=1)
     target.parent.mkdir(parents=True, exist_ok=True)
-    with replacing(target) as stream, zipfile.ZipFile(stream, "w") as archive:
+    with data.replacing(target) as stream, zipfile.ZipFile(stream, "w") as archive:
         # The model description comes first, where readers look for it.
         for entry in sorted(renamed, key=lambda name: (name != DESCRIPTION, name)):
             # A mutant is made, run and thrown away, so speed counts and size does not.

@@ -33,10 +33,9 @@ _OF_MODE = {0: STICK, 1: FORWARD, -1: BACKWARD}
 UNDAMPED, BELOW, CRITICAL, ABOVE = "c = 0", "below critical", "critical", "above critical"
 DAMPINGS = (UNDAMPED, BELOW, CRITICAL, ABOVE)
 
-_FILE = Path(__file__).with_suffix(".toml")
-CHANGES: Mapping[str, tuple[str, ...]] = {
-    name: tuple(names) for name, names in tomllib.loads(_FILE.read_text("utf-8")).items()
-}
+CHANGES: Mapping[str, Sequence[str]] = tomllib.loads(
+    Path(__file__).with_suffix(".toml").read_text("utf-8")
+)
 """Names of the changes, and what each of them sets."""
 
 _BALANCED = "load and F_ext that cancel"  # the force beyond friction stays, in slip or break-away
@@ -307,7 +306,7 @@ class _Plan:
     def _dampings(self, names: Collection[str]) -> Iterable[str]:
         if "c" in names:
             return DAMPINGS
-        if names == ("k",) and self._values["c"] > 0.0:
+        if [*names] == ["k"] and self._values["c"] > 0.0:
             return [damping for damping in DAMPINGS[1:] if self._frequencies(damping)]
         return (_damping(self._values),)
 
