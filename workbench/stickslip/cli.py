@@ -10,7 +10,6 @@ import shlex
 import signal
 import sys
 from collections.abc import Sequence
-from importlib import metadata
 from itertools import pairwise
 from typing import Annotated, Final
 
@@ -52,6 +51,8 @@ def _on_a_unit_apart(words: Sequence[str]) -> str:
 
 def _line_of_extra(advice: re.Match[str]) -> str:
     """Return a line that installs an extra into this Python, wherever stickslip came from."""
+    from importlib import metadata
+
     try:
         requirements = metadata.requires("stickslip") or []
     except metadata.PackageNotFoundError:

@@ -6,7 +6,6 @@ from pathlib import Path
 from typing import Final
 
 from stickslip.errors import CommandError
-from stickslip_verification import replacing
 
 _MOST_LINKS: Final = 40
 """Links in a row that Linux follows before it takes them for a circle."""
@@ -19,6 +18,8 @@ def write(target: Path, content: bytes, option: str) -> None:
     else (a device, a pipe, /dev/stdout) is written into directly. `CommandError`, which names
     `option` and `target`, if it cannot be written.
     """
+    from stickslip_verification import replacing
+
     check_writable(target, option)
     try:
         descriptor = _own_descriptor(target)
