@@ -80,7 +80,6 @@ def figure(view: View, part: xarray.Dataset) -> Figure:
 
 
 def _draw(axes: Axes, view: View, part: xarray.Dataset) -> None:
-
     values = part[view.main].values
     norm, unit = colours([part[view.main]])
     x, y = view.x.shown, view.y.shown
@@ -162,7 +161,6 @@ def _lines(axes: Axes, view: View, field: NDArray[Any], level: float, **look: An
 
 
 def _name(axis: Any, side: Side) -> None:
-
     if side.log:
         axis.set_tick_params(which="minor", labelsize=7)
         axis.axes.set(**{f"{axis.axis_name}scale": "log"})
@@ -297,7 +295,6 @@ def _picture(view: View, part: xarray.Dataset, name: str, norm: Normalize, unit:
 
 
 def _colour_map() -> Colormap:
-
     return mpl.colormaps[COLOUR_MAP].resampled(_LEVELS)
 
 
