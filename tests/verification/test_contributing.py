@@ -44,8 +44,13 @@ def test_a_case_is_added_as_it_says(suite: Path, tmp_path: Path, fmu_path: Path)
 
 def test_an_invariant_is_added_as_it_says(suite: Path, tmp_path: Path, fmu_path: Path) -> None:
     run = partial(walk, folder=tmp_path, PYTHONPATH=str(tmp_path), COLUMNS="100")
-    files = ("../judge/metrics", "invariants/outputs", "faults/meter")
-    for name, text in zip(files, blocks("Add an invariant", "toml"), strict=True):
+    (metric,), (invariant, fault) = (
+        blocks("Add an invariant", each) for each in ("python", "toml")
+    )
+    metrics = suite.parent / "judge" / "metrics.py"
+    head, table, tail = metrics.read_text("utf-8").partition("Metric]] = {\n")
+    metrics.write_text(head + table + metric + tail, "utf-8")
+    for name, text in (("invariants/outputs", invariant), ("faults/meter", fault)):
         with (suite / f"{name}.toml").open("a", encoding="utf-8") as file:
             file.write(f"\n{text}")
     (commands,) = blocks("Add an invariant", "bash")

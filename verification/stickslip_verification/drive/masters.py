@@ -6,12 +6,10 @@ docs/theory.md (18), a run of `MANNERS` with the exact motion.
 
 from __future__ import annotations
 
-import tomllib
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
-from pathlib import Path
 from random import Random
 from typing import TYPE_CHECKING
 
@@ -144,8 +142,6 @@ def need_ability(able: bool, what: str) -> None:
         raise NotApplicableError(f"it cannot {what}, by its description")
 
 
-_TABLES = tomllib.loads(Path(__file__).with_suffix(".toml").read_text("utf-8"))
-_OTHERS = {name: compile(text, name, "eval") for name, text in _TABLES["others"].items()}
 AfterStep = Callable[[float], bool]
 """Called with the time since the start [s] after each step; True ends the run there."""
 _STATES = 100  # that exist at once, once
@@ -264,9 +260,20 @@ class Master:
         """Return values, some unlike and some as the case's; `changeable` on the way alone."""
         start, draw = self.start, Random(f"other than {self.seed}")
         values = {
-            name: draw.choice((eval(other, {}, dict(start)), start[name]))
-            for name, other in _OTHERS.items()
+            "m": 2.5 * start["m"],
+            "g": 1.5 * start["g"],
+            "k": 0.7 * start["k"],
+            "c": start["c"] + start["m"],
+            "mu_s": 1.2 * start["mu_s"] + 0.1,
+            "mu_k": 0.5 * start["mu_k"],
+            "v": -1.3 * start["v"] - 0.01,
+            "load": abs(start["load"]) + 3.0 * start["m"],
+            "F_ext": 0.5 * start["F_ext"] - start["mu_s"] * start["m"],
+            "x_start": start["x_start"] + 0.1,
+            "x_dot_start": start["x_dot_start"] + 0.05,
+            "z_start": start["z_start"] - 0.01,
         }
+        values = {name: draw.choice((value, start[name])) for name, value in values.items()}
         may_set = partial(may_change, self.fmu) if changeable else self.fmu.has
         return {name: value for name, value in values.items() if may_set(name)}
 

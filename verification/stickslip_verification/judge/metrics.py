@@ -1,8 +1,6 @@
 """Residuals of the equations of motion, of energy and between outputs, from the samples."""
 
-import tomllib
-from pathlib import Path
-from typing import Any, Final
+from typing import Final
 
 import numpy as np
 
@@ -50,16 +48,6 @@ def never_past_rest(course: Course) -> Residual:
         at = np.clip(at - np.clip(stride, -at / 2.0, at / 2.0), 0.0, span)
         lowest = np.minimum(direction * equations.move(begin, at).x_dot, lowest)
     return _spread(course, np.maximum(-lowest, 0.0), course.scale["slip m/s"], "m/s")
-
-
-def extension_follows(course: Course) -> Residual:
-    """Extension at the end of a step in slip, less that of the equation of slip."""
-    return _spread(course, _missed(course, "z"), course.scale["slip m"], "m")
-
-
-def velocity_follows(course: Course) -> Residual:
-    """Velocity at the end of a step in slip, less that of the equation of slip."""
-    return _spread(course, _missed(course, "x_dot"), course.scale["slip m/s"], "m/s")
 
 
 def _missed(course: Course, name: str) -> Wide:
@@ -250,7 +238,7 @@ def start(course: Course) -> Residual:
     return Residual(np.full(course.h.size, worst), np.arange(course.h.size) == 0, 1.0, "1")
 
 
-def within_break_away(c: Course) -> Residual:
+def _within_break_away(c: Course) -> Residual:
     """By how much the force on a resting mass exceeds F_s, beyond the slack of the rest test."""
     spring, push = c.settings["k"] * c.after("z"), c.settings["F_ext"]
     threshold, rate = c.static_friction(c.age)
@@ -259,32 +247,51 @@ def within_break_away(c: Course) -> Residual:
     return c.residual(excess, "N", c.rests)
 
 
-class _Names(dict[str, Any]):
-    """The names in an expression: outputs at the end of each step, and what acts during it."""
+DIRECT: Final[dict[str, Metric]] = {
+    "stick.position_held": lambda c: c.residual(c.change("x"), "m", c.stick),
+    "stick.at_rest": lambda c: c.residual(c.after("x_dot"), "m/s", c.rests),
+    "stick.friction_balances": lambda c: c.residual(
+        c.after("F_friction") + (c.settings["k"] * c.after("z") + c.settings["F_ext"]), "N", c.rests
+    ),
+    "stick.within_break_away": _within_break_away,
+    "slip.extension_follows": lambda c: _spread(c, _missed(c, "z"), c.scale["slip m"], "m"),
+    "slip.velocity_follows": lambda c: _spread(c, _missed(c, "x_dot"), c.scale["slip m/s"], "m/s"),
+    "slip.friction_against_motion": lambda c: c.residual(
+        np.maximum(c.after("F_friction") * np.sign(c.after("x_dot")), 0.0), "N", ~c.rests
+    ),
+    "slip.direction_is_mode": lambda c: c.residual(
+        np.maximum(-c.mode[1] * c.after("x_dot"), 0.0), "m/s", ~c.rests
+    ),
+    "energy.heat_never_falls": lambda c: c.residual(np.maximum(-c.change("Q_friction"), 0.0), "J"),
+    "outputs.spring_force": lambda c: c.residual(
+        c.after("F") - c.settings["k"] * c.after("z"), "N"
+    ),
+    "outputs.extension": lambda c: c.residual(
+        c.after("z") - (c.after("x_pull") - c.after("x")), "m"
+    ),
+    "outputs.pulled_end": lambda c: c.residual(c.change("x_pull") - c.settings["v"] * c.h, "m"),
+    "outputs.frequency": lambda c: c.residual(
+        c.after("f") * c.after("T") - (c.after("T") > 0.0), "1"
+    ),
+    "outputs.mode_and_sticking": lambda c: c.residual(
+        1.0 * ((c.after("mode") == 0.0) != (c.after("sticking") != 0.0)), "1"
+    ),
+    "outputs.clamped_coefficient": lambda c: c.residual(
+        c.after("mu_k_used") - c.settings["mu_k"],
+        "1",
+        scale=float(np.max(c.settings["mu_s"])) or 1.0,
+    ),
+    # Communication points that were not reached.
+    "outputs.finished": lambda c: c.residual(
+        np.full(c.h.size, abs(float(c.h.size - c.record.times.size))), "1"
+    ),
+}
 
-    def __missing__(self, name: str) -> Series:
-        course: Course = self["course"]
-        return course.after(name) if name in OUTPUT_NAMES else course.settings[name]
 
-
-def _stated(left: str, unit: str, where: str = "", scale: str = "") -> Metric:
-    def metric(course: Course) -> Residual:
-        names = _Names(course=course, change=course.change)
-
-        def of(text: str) -> Any:
-            return eval(text, vars(np), names) if text else None
-
-        return course.residual(of(left), unit, of(where), of(scale))
-
-    return metric
-
-
-_STATED: Final = tomllib.loads(Path(__file__).with_suffix(".toml").read_text("utf-8"))
-METRICS: dict[str, Metric] = {name: _stated(**entry) for name, entry in _STATED.items()} | {
+METRICS: dict[str, Metric] = DIRECT | {
     f"{part}.{metric.__name__}": metric
     for part, metrics in {
-        "stick": (within_break_away,),
-        "slip": (friction_as_stated, never_past_rest, extension_follows, velocity_follows),
+        "slip": (friction_as_stated, never_past_rest),
         "events": (
             break_away_at_threshold,
             break_away_beyond_threshold,

@@ -204,12 +204,7 @@ class DataFile:
     def __init__(self, path: Path, error: type[DataError]) -> None:
         self.path = path
         self._error = error
-        try:
-            self._text = path.read_text(encoding="utf-8")
-        except OSError as fault:
-            raise error(path, "", (fault.strerror or str(fault)).lower()) from None
-        except UnicodeDecodeError as fault:
-            raise error(path, "", f"is not UTF-8: {fault.reason}") from None
+        self._text = read_text(path, error)
         try:
             self.data: dict[str, Any] = tomllib.loads(self._text)
         except tomllib.TOMLDecodeError as fault:
@@ -284,3 +279,13 @@ def fault_of(error: tomllib.TOMLDecodeError, text: str) -> tuple[int, str]:
     reason, _, place = str(error).rpartition(" (at ")
     line = re.match(r"line (\d+)", place)
     return int(line[1]) if line else text.rstrip().count("\n") + 1, reason
+
+
+def read_text(file: Path, error: type[DataError]) -> str:
+    """Read a text; raises `error` where it cannot be read or is no UTF-8."""
+    try:
+        return file.read_text(encoding="utf-8")
+    except OSError as fault:
+        raise error(file, "", (fault.strerror or str(fault)).lower()) from None
+    except UnicodeDecodeError as fault:
+        raise error(file, "", f"is not UTF-8: {fault.reason}") from None
