@@ -54,7 +54,7 @@ def cause(failures: Sequence[Plain], others: Sequence[Plain]) -> str | None:
     """
     if not failures:
         return None
-    for words, instead in _TABLES["outputs"].items():
+    for words, instead in _OUTPUTS.items():
         if all(_left([_of_output(shown, instead)]) <= EXPLAINS for shown in failures):
             return f"{', '.join(dict.fromkeys(shown.output for shown in failures))} {words}"
     if any(shown.output not in SHARES for shown in failures):
@@ -105,13 +105,11 @@ def _of_motion(shown: Plain, model: Model) -> list[Distance]:
     return [(_mean(off), _mean(rest), _mean(size)) for off, rest, size in rows]
 
 
-def _of_output(shown: Plain, instead: str) -> Distance:
+def _of_output(shown: Plain, instead: Callable[[Series, Plain], Series]) -> Distance:
     """Return the distances of an output from what would be right if it showed another one."""
     got, exact = (run.outputs[shown.output] for run in (shown.run, shown.exact))
     meant = np.isfinite(got) & np.isfinite(exact)
-    names = {"got": got, "exact": exact, "x_dot": shown.exact.outputs["x_dot"]}
-    names["damping"] = _damping(shown)
-    off, rest, size = got - exact, eval(instead, vars(np), names) - exact, exact
+    off, rest, size = got - exact, instead(got, shown) - exact, exact
     return _mean(off[meant]), _mean(rest[meant]), _mean(size[meant])
 
 
@@ -187,6 +185,19 @@ STRUCTURES: Final[Mapping[str, Acceleration]] = {
     "F_ext has the other sign in slip": _slip(push=-1.0),
 }
 """What models make of the equation of motion in slip."""
+
+_OUTPUTS: Final[Mapping[str, Callable[[Series, Plain], Series]]] = {
+    "has the other sign": lambda got, _: -got,
+    "has the other sign in backward motion": lambda got, of: np.where(
+        of.exact.outputs["x_dot"] < 0.0, -got, got
+    ),
+    "is 1000 times too large": lambda got, _: 1e-3 * got,
+    "is 1000 times too small": lambda got, _: 1e3 * got,
+    "is that of the step before": lambda got, _: np.append(got[1:], got[-1]),
+    "lacks the damping force": lambda got, of: got - _damping(of),
+    "has a constant added": lambda got, of: got - np.median(got - of.exact.outputs[of.output]),
+}
+"""What would be right, from an output that shows something else."""
 
 
 def _damping(shown: Plain) -> Series:
