@@ -142,6 +142,7 @@ def test_the_installed_command_builds_the_native_fmu(installed: Environment) -> 
 
 def test_every_file_that_a_package_reads_is_in_the_wheel(names: set[str]) -> None:
     kinds = {".py", ".toml", ".json", ".j2", ".html", ".css", ".js", ".txt", ".c", ".h", ".typed"}
+    kinds |= {".xml", ".png"}
     floors = [ROOT / floor for floor in ("fmu_src", "src", "verification", "workbench")]
     data = {
         path.relative_to(floor).as_posix()
