@@ -79,7 +79,7 @@ export function makeSchematic(svg) {
 function layoutOf(motion, seen, width, height, { wide, high, round }) {
   const ground = height - ROOM.below;
   const room = ground - ROOM.gauge - (width > 620 ? ROOM.caption : 0);
-  const tall = Math.min(Math.max(Math.min(0.4 * height, room, width / 6 / wide), 30), 96);
+  const tall = Math.min(Math.max(Math.min(0.4 * height, room, width / 6 / wide), 34), 96);
   const [block, body] = [wide * tall, high * tall];
   const shortest = Math.min(Math.max(width / 22, 30), 54);
   const free = Math.max(width - ROOM.left - block - shortest - ROOM.pull, 40);
