@@ -75,7 +75,7 @@ class Fmu:
         self.is_native = not (self.folder / "resources" / "slavemodule.txt").exists()
         self.references: dict[str, int] = {}
         self.types: dict[str, str] = {}
-        for variable in root.find("ModelVariables") or ():
+        for variable in root.iterfind("ModelVariables/*"):
             kind = variable.tag if self.version == 3 else variable[0].tag
             if kind == "Enumeration":
                 kind = "Int64" if self.version == 3 else "Integer"

@@ -55,7 +55,7 @@ def test_a_failing_write_names_the_option_and_the_path(
     target = tmp_path / "run.csv"
     target.write_bytes(b"old")
     missing = tmp_path / "none" / "part"
-    monkeypatch.setattr("stickslip.files.replacing", lambda path: missing.open("xb"))
+    monkeypatch.setattr("stickslip_verification.replacing", lambda path: missing.open("xb"))
     with pytest.raises(CommandError) as refusal:
         write(target, b"new", "--output-file")
     reason = "cannot write the file: No such file or directory"
