@@ -125,7 +125,7 @@ name, unit, range, and when each may be set. It is made from the variable table 
 - A step may be 1e-13 s or hold many cycles. One with more than 2^24 transitions is refused.
 - Bad input (k ≤ 0, NaN, a load that lifts the mass, a step ≤ 0) fails the call. The message has
   name, value and range; it goes to the log, and from the Python FMU to standard error. After a
-  failure every call but reset and free fails; reset recovers.
+  failure every call but reset, free and setting a state fails; reset recovers, and so does a state.
 - The state can be got, set, serialized and restored in any phase, bit for bit.
 - Instances are independent: hundreds of them, threads, or two versions in one process.
 - The equations behind the variables are in [theory.md](theory.md).
