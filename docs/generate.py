@@ -15,7 +15,6 @@ from tempfile import TemporaryDirectory
 from typing import Any
 
 from drawings import differences
-from pydantic import TypeAdapter
 from rules_of_thumb import pages
 
 from fmi.model import Spec
@@ -36,18 +35,9 @@ from stickslip_verification import (
 from stickslip_verification.drive.description import content_digest
 from stickslip_verification.model.verdict import SEQUENCE, Kind
 from stickslip_verification.report.files import as_json
-from stickslip_verification.suite.cases import CaseFile
-from stickslip_verification.suite.faults import FaultFile
-from stickslip_verification.suite.invariants import Invariants
 from stickslip_verification.suite.sequences import COUNT, SEED
 
 HERE = Path(__file__).parent
-
-SCHEMAS = {
-    f"{name}.schema.json": TypeAdapter(shape).json_schema()
-    for name, shape in (("case", CaseFile), ("fault", FaultFile), ("invariants", Invariants))
-}
-"""Of the data files, for editors."""
 
 KINDS = {
     Kind.CLOSED_FORM: "the exact motion in high precision, and closed forms of the cycle",
@@ -67,7 +57,6 @@ def main() -> None:
             "verdict.md": document(verdict(Path(folder), reports)),
             "checks.md": document(checks()),
             "axis-file.md": document(axis_file()),
-            **{f"schemas/{name}": text_of(schema) for name, schema in SCHEMAS.items()},
             **pages(),
         }
     if "--check" in sys.argv:
@@ -75,7 +64,6 @@ def main() -> None:
             sys.exit("\n".join(("out of date, run `make docs`:", *old)))
         return
     for name, text in texts.items():
-        (HERE / name).parent.mkdir(exist_ok=True)
         (HERE / name).write_text(text, encoding="utf-8", newline="\n")
 
 
@@ -92,11 +80,6 @@ def outdated(folder: Path, texts: Mapping[str, str]) -> list[str]:
         elif not file.is_file() or file.read_bytes() != text.encode():
             old.append(f"{file} holds another text")
     return old
-
-
-def text_of(schema: Mapping[str, Any]) -> str:
-    """Return a JSON schema as text."""
-    return json.dumps(schema, indent=2) + "\n"
 
 
 def document(lines: Iterator[str]) -> str:

@@ -11,6 +11,9 @@ from collections import Counter
 from collections.abc import Collection, Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from pathlib import Path
+from typing import Any
+
+from pydantic import TypeAdapter
 
 from .drive.description import FmuError
 from .drive.environments import PROBES
@@ -29,18 +32,21 @@ from .suite.cases import (
     FAMILY,
     Case,
     CaseError,
+    CaseFile,
     load_case,
     load_cases,
     long_cases,
     meanings,
 )
-from .suite.faults import Mutant, MutantError, load_mutants
+from .suite.faults import FaultFile, Mutant, MutantError, load_mutants
 from .suite.invariants import InvariantError, Invariants, load_invariants
 from .suite.sequences import COUNT
 from .suite.tolerances import ZERO
 
 THEORY = Path(__file__).parents[2] / "docs" / "theory.md"
 """Where the equations stand, in a working copy; an installed suite does not carry it."""
+SHAPES: dict[str, Any] = {"case": CaseFile, "fault": FaultFile, "invariants": Invariants}
+"""What the data files hold."""
 VAGUE = ("somehow", "good enough", "seems", "for now", "should work", "empirical", "tuned", "magic")
 """Words that are no reason."""
 SHORTEST = 20  # characters below which a reason says nothing
@@ -188,6 +194,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     commands = parser.add_subparsers(dest="command", required=True)
     check = commands.add_parser("lint", help="check the data files of the suite")
     check.add_argument("--cases", type=Path, default=CASES_FOLDER, metavar="DIR")
+    shown = commands.add_parser("schema", help="print the JSON schema of a data file, for editors")
+    shown.add_argument("kind", choices=SHAPES)
     commands.add_parser("family", help="write the accuracy of honest solvers anew: ten minutes")
     tried = commands.add_parser("faults", help="plant faults in an FMU; all must be detected")
     tried.add_argument("fmu", type=Path, help="the FMU, which carries its Python source")
@@ -202,6 +210,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
             findings = lint(chosen.cases)
             print(*findings, f"{len(findings)} findings", sep="\n")
             return bool(findings)
+        if chosen.command == "schema":
+            print(json.dumps(TypeAdapter(SHAPES[chosen.kind]).json_schema(), indent=2))
+            return 0
         if chosen.command == "family":
             write_family()
             return 0
