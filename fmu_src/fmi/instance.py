@@ -312,7 +312,7 @@ class Instance(Fmi2Slave):  # type: ignore[misc]
         self._warned = text
 
     def _fail(self, error: BaseException) -> FmuError:
-        """Return the exception that ends this call and, until a reset, every later one."""
+        """Return the exception that ends this call and, until a reset or a state, later ones."""
         # Before anything else can go wrong.
         self._give_references()
         # The wrapper would hand over waiting messages with the exception still on its way, which

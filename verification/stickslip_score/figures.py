@@ -23,7 +23,7 @@ from scipy.optimize import brentq
 
 from stickslip_verification.truth.parameters import used_mu_k
 
-from .read import POWERS, Curve, CurveError, Floats
+from .read import Curve, CurveError, Floats
 
 EPSILON = float(np.finfo(np.float64).eps)
 QUANTITIES = ("period", "t_stick", "t_slip", "delta_x")
@@ -53,6 +53,14 @@ Gaussian noise has 0.48; those of a solver that chatters have two sizes."""
 _PAIRS = 20  # neighbouring differences below which signs tell nothing
 _SIGN = 0.25  # of the way of the pulled end, and of the friction force: a way that has a sign
 _NEAR = 4.0  # factor about a power of 1000 within which a unit is the likeliest reason
+_UNITS = {
+    1e3: ("x in mm or t in ks", "F in mN"),
+    1e6: ("x in um", "F in uN"),
+    1e9: ("x in nm", "F in nN"),
+    1e-3: ("t in ms, x in km or v in mm/s", "F in kN"),
+    1e-6: ("t in us", "F in MN"),
+}
+"""Units of x and F whose numbers are this factor too large."""
 _ALTERNATING, _LEAST_ALTERNATING = 20_000, 40  # samples searched for alternating friction
 _EVEN_STEPS = 1e-6  # of a step: how far steps of a solver may differ
 _FULL, _MOST, _BACK, _REVERSALS = 0.15, 0.9, 0.02, 0.1
@@ -333,10 +341,10 @@ def is_turned(curve: Curve, p: Mapping[str, float], exact: Mapping[str, float] |
         jump = exact["delta_x"] if exact else math.inf
         ratio, column, example = span / (p["k"] * jump), 1, "F [kN]"
         seen = f"F varies by {si(span, 'N')}"
-    power = next((power for power in POWERS if power / _NEAR < ratio < power * _NEAR), 0.0)
+    power = next((power for power in _UNITS if power / _NEAR < ratio < power * _NEAR), 0.0)
     if exact is not None and duration >= 1.5 * exact["period"] and power:
         raise CurveError(
-            f"{seen}, {power:g} times as much as it should: {POWERS[power][column]}? State the "
+            f"{seen}, {power:g} times as much as it should: {_UNITS[power][column]}? State the "
             f"unit: of a column in the header or with its name, '{example}'"
         )
     return way * due < 0.0 and abs(way) > _SIGN * abs(due)

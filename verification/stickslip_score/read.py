@@ -5,7 +5,6 @@ from __future__ import annotations
 import csv
 import math
 import re
-import tomllib
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
@@ -31,18 +30,27 @@ _NAME_AND_UNIT = (
     re.compile(r"(?!der\()([^()]*|.*?\s)\(([^)]*)\)"),
 )
 
+_LENGTHS = {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "um": 1e-6, "µm": 1e-6, "nm": 1e-9}
+_TIMES = {"s": 1.0, "sec": 1.0, "seconds": 1.0, "ms": 1e-3, "us": 1e-6, "µs": 1e-6, "min": 60.0}
+_SPEEDS = {f"{length}/s": size for length, size in _LENGTHS.items()}
+_SPEEDS |= {"m.s-1": 1.0, "mm/min": 1e-3 / 60.0, "m/min": 1.0 / 60.0}
+_FORCES = {"N": 1.0, "mN": 1e-3, "kN": 1e3, "MN": 1e6}
+
 
 class _Quantity(NamedTuple):
     meaning: str
-    plain: str
-    others: str
-    units: Mapping[str, float]
+    units: Mapping[str, float]  # in SI; a column without a unit is in SI
+    plain: str  # names in order of preference, in their case; else in any
+    others: str  # more names in any case
 
 
-_TABLES = tomllib.loads(Path(__file__).with_name("columns.toml").read_text("utf-8"))
-_QUANTITIES = {name: _Quantity(**entry) for name, entry in _TABLES["columns"].items()}
-POWERS = {float(power): names for power, names in _TABLES["powers"].items()}
-"""Units of x and F, by the factor that their numbers are too large."""
+_X_DOTS = "xdot dx dxdt v_mass v_m vel velocity speed der(s) mass.v"
+_QUANTITIES = {
+    "t": _Quantity("time", _TIMES, "time t Time", "zeit"),
+    "x": _Quantity("position", _LENGTHS, "x X position", "s pos x_mass mass_x displacement weg"),
+    "x_dot": _Quantity("velocity", _SPEEDS, "x_dot der(x)", _X_DOTS),
+    "F": _Quantity("force", _FORCES, "F F_spring spring_force", "force springforce f_c kraft"),
+}
 
 
 class CurveError(ValueError):

@@ -174,7 +174,7 @@ def write_family() -> None:
         *(f'    "{name}",' for name in sorted(long_cases())),
         "]",
     ]
-    lines += ["", "# A column for each of drive/solvers.toml.", "[deltas]"]
+    lines += ["", "# A column for each of drive/solvers.py.", "[deltas]"]
     with ProcessPoolExecutor() as pool:
         for case, deltas in zip(cases, pool.map(_deltas, cases), strict=True):
             lines.append(f'"{case.id}" = [{", ".join(f"{delta:.1e}" for delta in deltas)}]')

@@ -5,11 +5,10 @@ method that adapts its steps and locates them. They are right and only so accura
 """
 
 import math
-import tomllib
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import partial
-from pathlib import Path
+from itertools import product
 from typing import Any, Final
 
 import numpy as np
@@ -122,11 +121,38 @@ _METHODS: Final[Mapping[str, Method]] = {
 }
 
 
-_FILE: Final = Path(__file__).with_suffix(".toml")
-SOLVERS: Final[Mapping[str, Solver]] = {
-    name: Solver(_METHODS.get(entry.pop("method", "")), **entry)
-    for name, entry in tomllib.loads(_FILE.read_text("utf-8")).items()
-}
+def _family() -> Iterator[tuple[str, Solver]]:
+    def steps(*lengths: float) -> list[tuple[str, dict[str, Any]]]:
+        return [(f"{1e3 * length:g} ms", {"step": length}) for length in lengths]
+
+    def parts(*counts: int) -> list[tuple[str, dict[str, Any]]]:
+        return [(f"{count} in a step", {"parts": count}) for count in counts]
+
+    for sizes in (steps(1e-3, 3e-4, 1e-4), parts(1, 3, 10, 30)):
+        for late, (name, method), (shown, size) in product((False, True), _METHODS.items(), sizes):
+            yield f"{name}, {shown}{LATE if late else ''}", Solver(method, late=late, **size)
+    for sizes in (steps(1e-3, 3e-4), parts(3, 10)):
+        for name, (shown, size) in product(("Heun", "Runge-Kutta"), sizes):
+            yield f"{name}, {shown}, events located", Solver(_METHODS[name], located=True, **size)
+    for adapts, absolute, tolerances in (
+        ("RK45", False, (1e-3, 1e-4, 1e-6, 1e-8, 1e-10)),
+        ("RK45", True, (1e-3, 1e-5, 1e-7, 1e-9)),
+        ("RK23", False, (1e-3, 1e-5)),
+        ("DOP853", False, (1e-4, 1e-7)),
+        ("LSODA", False, (1e-4, 1e-6)),
+        ("BDF", False, (1e-4, 1e-6)),
+    ):
+        for rtol in tolerances:
+            solver = Solver(rtol=rtol, atol=rtol if absolute else 0.0, adapts=adapts)
+            yield f"{adapts}, {rtol:g}{' absolute' if absolute else ''}", solver
+    for rtol in (1e-3, 1e-4, 1e-6):
+        yield f"RK45, {rtol:g}, whole steps first", Solver(rtol=rtol, bold=True)
+    for band in (1e-4, 1e-5, 1e-6):
+        solver = Solver(_runge_kutta, step=1e-4, band=band)
+        yield f"switch model, {1e3 * band:g} mm/s", solver
+
+
+SOLVERS: Final[Mapping[str, Solver]] = dict(_family())
 """The family by its names, which say method and step, or tolerance."""
 
 Acceleration = Callable[

@@ -7,7 +7,6 @@ sequences fill the whole table of `coverage`, whatever the seed.
 
 import itertools
 import math
-import tomllib
 from collections import Counter
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -33,9 +32,22 @@ _OF_MODE = {0: STICK, 1: FORWARD, -1: BACKWARD}
 UNDAMPED, BELOW, CRITICAL, ABOVE = "c = 0", "below critical", "critical", "above critical"
 DAMPINGS = (UNDAMPED, BELOW, CRITICAL, ABOVE)
 
-CHANGES: Mapping[str, Sequence[str]] = tomllib.loads(
-    Path(__file__).with_suffix(".toml").read_text("utf-8")
-)
+CHANGES: Mapping[str, tuple[str, ...]] = {
+    "v": ("v",),
+    "v to 0": ("v",),
+    "load": ("load",),
+    "F_ext": ("F_ext",),
+    "F_ext to 0": ("F_ext",),
+    "load and F_ext that cancel": ("load", "F_ext"),
+    "v, load and F_ext": ("v", "load", "F_ext"),
+    "k": ("k",),
+    "c": ("c",),
+    "mu_s": ("mu_s",),
+    "mu_k": ("mu_k",),
+    "mu_s and mu_k": ("mu_s", "mu_k"),
+    "k, c, mu_s, mu_k and v": ("k", "c", "mu_s", "mu_k", "v"),
+    "the same values again": (),
+}
 """Names of the changes, and what each of them sets."""
 
 _BALANCED = "load and F_ext that cancel"  # the force beyond friction stays, in slip or break-away
@@ -306,7 +318,7 @@ class _Plan:
     def _dampings(self, names: Collection[str]) -> Iterable[str]:
         if "c" in names:
             return DAMPINGS
-        if [*names] == ["k"] and self._values["c"] > 0.0:
+        if names == ("k",) and self._values["c"] > 0.0:
             return [damping for damping in DAMPINGS[1:] if self._frequencies(damping)]
         return (_damping(self._values),)
 
