@@ -95,7 +95,14 @@ class Fmu:
         passed = (_passed(each, self.version) for each in arguments)
         return int(self.library[f"fmi{self.version}{name}"](*passed))
 
-    def instantiate(self, name: str = "a", token: bytes | None = None, kind: int = 1) -> int | None:
+    def instantiate(
+        self,
+        name: str = "a",
+        token: bytes | None = None,
+        kind: int = 1,
+        events: bool = False,
+        early: bool = False,
+    ) -> int | None:
         """Return the address of a new instance, None where it was refused."""
         folder = self.folder / "resources"
         token = self.token if token is None else token
@@ -106,14 +113,14 @@ class Fmu:
         else:
             function = self.library.fmi3InstantiateCoSimulation
             given = (name.encode(), token, f"{folder}/".encode(), c.c_bool(False))  # type: ignore[assignment]
-            flags = (c.c_bool(True), c.c_bool(False), c.c_bool(False))
+            flags = (c.c_bool(True), c.c_bool(events), c.c_bool(early))
             more = (*flags, None, c.c_size_t(0), None, self.logger, None)
         function.restype = c.c_void_p
         address: int | None = function(*given, *more)
         return address
 
-    def instance(self, name: str = "a") -> "Instance":
-        return Instance(self, name)
+    def instance(self, name: str = "a", events: bool = False, early: bool = False) -> "Instance":
+        return Instance(self, name, events, early)
 
     def started(self, start_time: float = 0.0, **values: float) -> "Instance":
         """Return a new instance with these values, ready to step."""
@@ -125,9 +132,11 @@ class Fmu:
 class Instance:
     """One instance, called by the names of its variables; a call that fails raises `Refused`."""
 
-    def __init__(self, fmu: Fmu, name: str = "a") -> None:
+    def __init__(
+        self, fmu: Fmu, name: str = "a", events: bool = False, early: bool = False
+    ) -> None:
         self.fmu = fmu
-        address = fmu.instantiate(name)
+        address = fmu.instantiate(name, events=events, early=early)
         if address is None:
             raise Refused("Instantiate", ERROR, [text for *_, text in fmu.messages])
         self.address = c.c_void_p(address)
@@ -161,6 +170,31 @@ class Instance:
             more = (1,) if self.fmu.version == 2 else (True, *shown)
             self.call("DoStep", self.time, h, *more)
             self.time += h
+
+    def step_to_event(self, h: float) -> tuple[bool, bool]:
+        """Make one step of FMI 3.0; return whether there is an event, and whether it ends early."""
+        flags: list[Any] = [c.c_bool() for _ in range(3)]
+        time = c.c_double()
+        self.call("DoStep", self.time, h, True, *(c.byref(each) for each in (*flags, time)))
+        self.time, (event, end, early) = time.value, (flag.value for flag in flags)
+        assert not end
+        return event, early
+
+    def update(self) -> float | None:
+        """Return the time that UpdateDiscreteStates tells of the next event."""
+        flags: list[Any] = [c.c_bool() for _ in range(5)]
+        time = c.c_double()
+        self.call("UpdateDiscreteStates", *(c.byref(each) for each in (*flags, time)))
+        assert not any(flag.value for flag in flags[:4])
+        return time.value if flags[4] else None
+
+    def handle(self, enter: bool = True) -> float | None:
+        """Go through event mode; return the time of the next event."""
+        if enter:
+            self.call("EnterEventMode")
+        following = self.update()
+        self.call("EnterStepMode")
+        return following
 
     def values(
         self, verb: str, kind: str, references: Sequence[int], values: Sequence[Any]

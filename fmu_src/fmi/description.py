@@ -30,9 +30,9 @@ _CAPABILITIES: Dict[Face, Dict[str, str]] = {
         "canSerializeFMUState": "true",
         "canHandleVariableCommunicationStepSize": "true",
         "providesIntermediateUpdate": "false",
-        "mightReturnEarlyFromDoStep": "false",
+        "mightReturnEarlyFromDoStep": "true",
         "canReturnEarlyAfterIntermediateUpdate": "false",
-        "hasEventMode": "false",
+        "hasEventMode": "true",
     },
 }
 

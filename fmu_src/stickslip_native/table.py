@@ -18,7 +18,7 @@ struct settings {{
 {fields}
 }};
 
-enum {{ SETTINGS = {settings}, VARIABLES = {variables} }};
+enum {{ SETTINGS = {settings}, VARIABLES = {variables}, DISCRETE = {discrete} }};
 
 /* Value references, which are positions in ROWS. */
 enum reference {{
@@ -34,6 +34,8 @@ struct row {{
     bool enumeration; /* an Integer whose values have names: an Enumeration in FMI 3.0 */
     bool settable;    /* a parameter or input */
     bool fixed;       /* a parameter that cannot change after the initialization */
+    bool tunable;     /* a parameter that can */
+    int discrete;     /* position among the outputs that change at events alone, else -1 */
     bool has_start, has_minimum, has_maximum;
     double start, minimum, maximum;
     const char *range; /* in words */
@@ -64,13 +66,19 @@ def table_files(spec: Spec) -> Dict[str, str]:
             fields="\n".join(f"    double {row.name};" for row in settable),
             settings=len(settable),
             variables=len(table.rows),
+            discrete=len(_discrete(table)),
             references="\n".join(f"    VR_{row.name} = {row.number}," for row in table.rows),
         ),
         "table.c": _SOURCE.format(rows="\n".join(_row(table, row) for row in table.rows)),
     }
 
 
+def _discrete(table: Table) -> List[Variable]:
+    return [row for row in table.rows if not row.settable and row.variability == "discrete"]
+
+
 def _row(table: Table, row: Variable) -> str:
+    discrete = _discrete(table)
     members: List[str] = [
         _text(row.name),
         _text("" if row.unit == "1" else row.unit),
@@ -78,6 +86,8 @@ def _row(table: Table, row: Variable) -> str:
         _truth(bool(row.type.items)),
         _truth(row.settable),
         _truth(row.variability == "fixed"),
+        _truth(row.variability == "tunable"),
+        str(discrete.index(row) if row in discrete else -1),
         *(_truth(value is not None) for value in (row.start, row.minimum, row.maximum)),
         *(_number(value) for value in (row.start, row.minimum, row.maximum)),
         _text(row.range),

@@ -27,7 +27,9 @@ def fields(table: Table) -> Iterator[tuple[str, str]]:
     yield from _sums(_METER_SUMS)
     yield from (("started", "?"), ("changed", "?"))
     yield from ((f"values.{name}", "d") for name in settings)
-    yield from (("time", "d"), ("fmi_phase", "i"), ("settled", "?"))
+    yield from (("time", "d"), ("fmi_phase", "i"), ("settled", "?"), ("holds", "?"))
+    outputs = [row for row in table.rows if row.causality == "output"]
+    yield from ((f"held.{row.name}", "d") for row in outputs if row.variability == "discrete")
 
 
 def _sums(names: tuple[str, ...]) -> Iterator[tuple[str, str]]:

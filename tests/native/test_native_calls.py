@@ -28,7 +28,7 @@ HEADERS = Path(fmpy.__file__).parent / "c-code"
 _MODEL_EXCHANGE_2 = r"EnterEvent|Discrete|Continuous|CompletedIntegrator|SetTime|GetDerivat|Indicat"
 _NOT_OFFERED = r"(Directional|Adjoint|put)Derivatives?$|Dependenc|Configuration|CancelStep"
 _OF_OTHER_MODES = (
-    r"(Event|Step|ContinuousTime)Mode|DiscreteStates|[GS]etClock|Interval|Shift|[GS]etContinuous"
+    r"ContinuousTimeMode|EvaluateDiscrete|[GS]etClock|Interval|Shift|[GS]etContinuous"
     r"|SetTime|CompletedIntegratorStep|Nominals|EventIndicators|NumberOfCont|ActivateModelPartition"
 )
 _TYPES = r"[GS]et(Real|Integer|Boolean|String|Float\d+|U?Int\d+|Binary)$"
@@ -91,9 +91,11 @@ def with_null(instance: Instance) -> Iterator[tuple[Any, ...]]:
         yield "GetBooleanStatus", 3, None
         return
     yield "GetFloat64", references, size(2), numbers, size(1)
-    shown = [c.byref(c.c_double()) for _ in range(3)]
+    shown = [c.byref(c.c_double()) for _ in range(5)]
+    for n in range(6):
+        yield "UpdateDiscreteStates", *shown[:n], None, *shown[n:]
     for n in range(4):
-        yield "DoStep", 0.1, 0.1, True, *shown[:n], None, *shown[n:]
+        yield "DoStep", 0.1, 0.1, True, *shown[:n], None, *shown[n:3]
 
 
 @either
@@ -126,13 +128,13 @@ def test_what_is_not_offered_is_refused_and_changes_nothing(kind: str) -> None:
 @pytest.mark.parametrize("name", called(3, _OF_OTHER_MODES))
 def test_a_call_of_another_mode_fails_until_a_reset(name: str) -> None:
     instance = stepping("native-3")
-    words = f"fmi3{name} is not allowed here: this is co-simulation without event mode"
+    words = f"fmi3{name} is not allowed here: this is co-simulation without clocks"
     for call in (name, "Terminate"):
         assert instance.status(call, *[None] * 8) == ERROR
         assert instance.fmu.messages[-1][2] == words
 
 
-def test_model_exchange_clocks_and_event_mode_are_not_instantiated() -> None:
+def test_model_exchange_clocks_and_intermediate_update_are_not_instantiated() -> None:
     fmu = loaded(built("native-3"))
     no = c.c_bool(False)
     for kind in ("ModelExchange", "ScheduledExecution"):
@@ -144,11 +146,10 @@ def test_model_exchange_clocks_and_event_mode_are_not_instantiated() -> None:
         assert "is not offered" in fmu.messages[-1][2]
     fmu.instance().free()
     make = fmu.library.fmi3InstantiateCoSimulation
-    for event_mode, count in ((True, 0), (False, 1)):
-        flags = (no, no, c.c_bool(event_mode), no, None, c.c_size_t(count), None)
-        for logger in (fmu.logger, None):
-            assert make(b"a", fmu.token, None, *flags, logger, None) is None
-        assert "event mode and intermediate update are not offered" in fmu.messages[-1][2]
+    for logger in (fmu.logger, None):
+        flags = (no, no, no, no, None, c.c_size_t(1), None)
+        assert make(b"a", fmu.token, None, *flags, logger, None) is None
+    assert "intermediate update is not offered" in fmu.messages[-1][2]
 
 
 def test_fmi_2_tells_the_last_successful_time_and_that_no_step_ends_the_simulation() -> None:

@@ -13,6 +13,7 @@ from tests.driver import Host
 from tests.fmu.lives.master import Master
 from tests.fmu.lives.test_lives import finding
 from tests.native.compiling import run, with_library, written
+from tests.native.eventful import differences
 from tests.native.heard import live_blocks
 from tests.native.test_native_states import running
 from tests.needs import needs
@@ -58,6 +59,8 @@ def test_no_life_leaves_its_memory_leaks_or_misleads(
         masters = [Master(f"native-{version}", law, seed) for seed in range(first, first + 100)]
         assert finding(guarded, fmu, [master.life() for master in masters]) is None
         assert guarded.call(live_blocks, fmu) == 0
+    for seed in range(sized(100) if version == 3 else 0):
+        assert not guarded.call(differences, fmu, seed)
 
 
 # With fewer transitions in a step an input takes milliseconds and not seconds.

@@ -188,5 +188,5 @@ OF_VERSION = {
         "start time = inf s is",
         "is of type Integer, not Real",
     ),
-    3: ("time is the independent variable", "is of type Int64, not Float64", "without event mode"),
+    3: ("time is the independent variable", "is of type Int64, not Float64", "without clocks"),
 }

@@ -6,6 +6,9 @@
 /* After every so many transitions the rest of a step is estimated from the part that is done. */
 enum { TRANSITIONS_TO_ESTIMATE = 4096 };
 
+/* How many arcs a slip may still have for its end to be told. */
+enum { ARCS_TO_LOOK_AHEAD = 64 };
+
 static const struct sum ZERO = {0.0, 0.0};
 
 /* No step moves along the arc alone: none was made yet, or settings changed. */
@@ -23,10 +26,17 @@ enum refusal normal_force(const struct settings *settings, double *normal)
     return settings->load >= -weight ? ACCEPTED : LIFTED_OFF;
 }
 
+/* Time along the arc [s], which at an event that is due may be a rounding beyond its end. */
+static double tau_of(const struct block *block)
+{
+    const double tau = block->elapsed.high;
+    return tau < block->arc.duration ? tau : block->arc.duration;
+}
+
 /* Time that the mass has been at rest [s]. */
 static double age_of(const struct block *block)
 {
-    return block->arc.mode == 0 ? block->arc.age + block->elapsed.high : 0.0;
+    return block->arc.mode == 0 ? block->arc.age + tau_of(block) : 0.0;
 }
 
 /* Let the settings last set act. */
@@ -103,7 +113,7 @@ enum refusal block_refresh(struct block *block)
 {
     const struct settings *settings = &block->friction.settings;
     const struct arc *arc = &block->arc;
-    const struct motion motion = functions_of(arc)->state(arc, block->elapsed.high);
+    const struct motion motion = functions_of(arc)->state(arc, tau_of(block));
     block->x_dot = motion.x_dot;
     block->z = arc->z_start + motion.growth;
     block->x = block->x_start.high + (block->x_start.low + motion.displacement);
@@ -172,11 +182,9 @@ static bool keeps_pace(long transitions, double step, double done)
     return (double)transitions <= (double)MOST_TRANSITIONS * (done / step);
 }
 
-/* Move on by one step that may begin with other settings or hold transitions. */
-static enum refusal advance_through(struct block *block, double time, double step)
+/* Let settings last set act, and the run begin, at this time [s]. */
+static enum refusal begin(struct block *block, double time)
 {
-    if (!(0.0 < step && step <= DBL_MAX)) return STEP_OUT_OF_RANGE;
-    if (!isfinite(time)) return TIME_OUT_OF_RANGE;
     if (block->changed) {
         const enum refusal refused = change_settings(block, time);
         if (refused != ACCEPTED) return refused;
@@ -186,14 +194,71 @@ static enum refusal advance_through(struct block *block, double time, double ste
         if (block->mode != 0 && block->arc.x_dot_start == 0.0)
             meter_break_away(&block->meter, time);
     }
-    struct sum elapsed = sum_with(block->elapsed, step);
-    long transitions = 0;
-    while (elapsed.high >= block->arc.duration) {
-        const struct sum left = sum_with(elapsed, -block->arc.duration);
-        /* A stick ends when time passes its end, a slip when time reaches it: (1). */
-        if (left.high < 0.0 || (left.high == 0.0 && block->mode == 0)) break;
-        const enum refusal refused = pass_event(block, time + (step - left.high));
+    return ACCEPTED;
+}
+
+/* Whether an arc is over after this time along it; `left` is the time since then [s]. A stick ends
+ * when time passes its end, a slip when time reaches it: (1). */
+static bool is_over(const struct arc *arc, struct sum elapsed, struct sum *left)
+{
+    if (!(elapsed.high >= arc->duration)) return false;
+    *left = sum_with(elapsed, -arc->duration);
+    return left->high > 0.0 || (left->high == 0.0 && arc->mode != 0);
+}
+
+/* Time along the arc at `then` [s], where it is `elapsed` at time + step. */
+static struct sum elapsed_at(struct sum elapsed, double time, double step, double then)
+{
+    const struct sum since = sum_with(sum_with((struct sum){then, 0.0}, -time), -step);
+    return sum_with(sum_with(elapsed, since.high), since.low);
+}
+
+/* The first time from `then` [s] on at which the arc is over. */
+static double time_over(const struct arc *arc, struct sum elapsed, double time, double step,
+                        double then)
+{
+    struct sum left;
+    while (!is_over(arc, elapsed_at(elapsed, time, step, then), &left))
+        then = nextafter(then, HUGE_VAL);
+    return then;
+}
+
+/* Move on by one step that may begin with other settings or hold transitions; no further than to
+ * the first change of mode where `stop` is not NULL. */
+static enum refusal advance_through(struct block *block, double time, double step,
+                                    struct stop *stop)
+{
+    if (!(0.0 < step && step <= DBL_MAX)) return STEP_OUT_OF_RANGE;
+    if (!isfinite(time)) return TIME_OUT_OF_RANGE;
+    const bool begins = block->changed || !block->started;
+    struct block before;
+    if (begins) {
+        if (stop != NULL) before = *block;
+        const enum refusal refused = begin(block, time);
         if (refused != ACCEPTED) return refused;
+        if (stop != NULL && block->mode != before.mode) {
+            *block = before;
+            *stop = (struct stop){.time = time, .event = true};
+            return ACCEPTED;
+        }
+    }
+    struct sum elapsed = sum_with(block->elapsed, step), left;
+    long transitions = 0;
+    while (is_over(&block->arc, elapsed, &left)) {
+        const double then = time + (step - left.high);
+        if (stop != NULL) before = *block;
+        const enum refusal refused = pass_event(block, then);
+        if (refused != ACCEPTED) return refused;
+        if (stop != NULL && block->mode != before.mode) {
+            *block = before;
+            stop->event = true;
+            const double over = time_over(&block->arc, elapsed, time, step, then);
+            if (over < stop->time) {
+                elapsed = elapsed_at(elapsed, time, step, over);
+                stop->time = over;
+            }
+            break;
+        }
         elapsed = left;
         transitions++;
         if (transitions % TRANSITIONS_TO_ESTIMATE == 0 &&
@@ -220,7 +285,43 @@ enum refusal block_advance(struct block *block, double time, double step)
         block->stale = true;
         return ACCEPTED;
     }
-    return advance_through(block, time, step);
+    return advance_through(block, time, step, NULL);
+}
+
+enum refusal block_advance_to_event(struct block *block, double time, double step,
+                                    struct stop *stop)
+{
+    *stop = (struct stop){.time = time + step};
+    return advance_through(block, time, step, stop);
+}
+
+enum refusal block_settle(struct block *block, double time)
+{
+    struct sum left;
+    for (int passed = 0; is_over(&block->arc, block->elapsed, &left); passed++) {
+        if (passed == TRANSITIONS_TO_ESTIMATE) return TOO_MANY_TRANSITIONS;
+        const enum refusal refused = pass_event(block, time - left.high);
+        if (refused != ACCEPTED) return refused;
+        block->elapsed = left;
+    }
+    const enum refusal refused = begin(block, time);
+    if (refused != ACCEPTED) return refused;
+    block->horizon = block->arc.duration;
+    return block_refresh(block);
+}
+
+double block_next_event(const struct block *block, double time)
+{
+    struct block next = *block;
+    struct sum elapsed = block->elapsed;
+    for (int arcs = 0; arcs < ARCS_TO_LOOK_AHEAD && !block->changed; arcs++) {
+        const struct arc arc = next.arc;
+        if (arc.duration > DBL_MAX || pass_event(&next, time) != ACCEPTED) break;
+        if (next.mode != block->mode)
+            return time_over(&arc, elapsed, time, 0.0, time + (arc.duration - elapsed.high));
+        elapsed = sum_with(elapsed, -arc.duration);
+    }
+    return HUGE_VAL;
 }
 
 /* An energy that grew since the start of the arc [J]. */
@@ -242,7 +343,7 @@ enum refusal block_read(struct block *block, enum reference reference, double *v
     }
     const struct meter *meter = &block->meter;
     const struct arc *arc = &block->arc;
-    const double tau = block->elapsed.high;
+    const double tau = tau_of(block);
     switch (reference) {
     case VR_x: *value = block->x; break;
     case VR_x_dot: *value = block->x_dot; break;

@@ -65,6 +65,25 @@ enum refusal block_check(const struct block *block);
  */
 enum refusal block_advance(struct block *block, double time, double step);
 
+/* Where a step ended: at its end, or at the first change of mode in it. */
+struct stop {
+    double time; /* [s] */
+    bool event;  /* a change of mode is due there: block_settle goes through it */
+};
+
+/* As block_advance, but no further than to the first change of mode, and not through it: outputs
+ * show their limits from before. The time told is the first double at or after the exact one; steps
+ * that go on from it give what one step would, as what it is late by is kept. */
+enum refusal block_advance_to_event(struct block *block, double time, double step,
+                                    struct stop *stop);
+
+/* Go through all that is due at this time [s]: a change of mode, settings last set, the start. */
+enum refusal block_settle(struct block *block, double time);
+
+/* Time of the next change of mode [s] as seen from this time, infinity where none is known. It holds
+ * as long as nothing is set. */
+double block_next_event(const struct block *block, double time);
+
 /* Read the variable of this value reference, refreshed where the block moved: a Boolean is 0 or 1,
  * a parameter or input is the value last set. */
 enum refusal block_read(struct block *block, enum reference reference, double *value);

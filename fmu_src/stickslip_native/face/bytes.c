@@ -8,7 +8,7 @@
 
 static const unsigned char MAGIC[8] = {'s', 'l', 'i', 'p', 's', 't', 'a', 't'};
 
-enum { VERSION = 1, HASH_SIZE = 8, HEAD_SIZE = sizeof MAGIC + 4 + 4 + HASH_SIZE };
+enum { VERSION = 2, HASH_SIZE = 8, HEAD_SIZE = sizeof MAGIC + 4 + 4 + HASH_SIZE };
 
 /* What is written of a situation. */
 struct saved {
@@ -16,7 +16,8 @@ struct saved {
     struct settings values;
     double time;
     int32_t phase;
-    bool settled;
+    bool settled, holds;
+    double held[DISCRETE];
 };
 
 /* Bytes that are counted, written, read or compared, one field after the other. */
@@ -144,6 +145,8 @@ static void visit(struct stream *stream, struct saved *it)
     real(stream, &it->time);
     integer(stream, &it->phase);
     truth(stream, &it->settled);
+    truth(stream, &it->holds);
+    for (int n = 0; n < DISCRETE; n++) real(stream, &it->held[n]);
 }
 
 /* All that comes before the fields. */
@@ -169,7 +172,9 @@ void bytes_write(const struct situation *situation, unsigned char *bytes)
         .time = situation->time,
         .phase = (int32_t)situation->phase,
         .settled = situation->settled,
+        .holds = situation->holds,
     };
+    memcpy(saved.held, situation->held, sizeof saved.held);
     struct stream stream = {.way = WRITE, .to = bytes, .at = sizeof MAGIC, .sound = true};
     uint64_t version = VERSION, length = bytes_count(), names = hash_of_names();
     block_save(&situation->block, &saved.block);
@@ -192,15 +197,32 @@ static bool within_bounds(const struct settings *values, char reason[MESSAGE_SIZ
     return true;
 }
 
+/* Whether outputs that are held have values that they can have, and others have none. */
+static bool can_hold(const struct saved *it)
+{
+    for (int n = 0; n < VARIABLES; n++) {
+        if (ROWS[n].discrete < 0) continue;
+        const double value = it->held[ROWS[n].discrete];
+        if (!it->holds && value != 0.0) return false;
+        if (ROWS[n].kind == BOOLEAN && value != 0.0 && value != 1.0) return false;
+        if (ROWS[n].kind == INTEGER && !(fabs(value) <= INT32_MAX && value == trunc(value)))
+            return false;
+    }
+    return true;
+}
+
 /* Whether an instance can be in this phase with such a block and values, and shows finite ones. */
 static bool consistent(const struct saved *it)
 {
-    if (!isfinite(meter_frequency(&it->block.meter))) return false;
+    if (!isfinite(meter_frequency(&it->block.meter)) || !can_hold(it)) return false;
     switch (it->phase) {
     case INSTANTIATED:
-    case INITIALIZATION: return !it->block.started;
+    case INITIALIZATION: return !it->block.started && !it->holds;
     case STEPPING:
-        return it->settled && memcmp(&it->values, &it->block.wanted, sizeof it->values) == 0;
+    case EVENT_DUE:
+    case EVENT_MODE:
+        return it->settled && (it->holds || it->phase == STEPPING) &&
+               memcmp(&it->values, &it->block.wanted, sizeof it->values) == 0;
     case TERMINATED: return true;
     default: return false;
     }
@@ -264,5 +286,7 @@ bool bytes_read(const unsigned char *bytes, size_t size, struct situation *made,
     made->time = saved.time;
     made->phase = (enum phase)saved.phase;
     made->settled = saved.settled;
+    made->holds = saved.holds;
+    memcpy(made->held, saved.held, sizeof made->held);
     return true;
 }

@@ -1,4 +1,4 @@
-/* The functions of FMI 3.0, of which co-simulation without event mode has a part.
+/* The functions of FMI 3.0, of which co-simulation without clocks has a part.
  *
  * A call that is refused returns fmi3Error, and the instance refuses all that depends on its motion
  * until fmi3Reset or fmi3SetFMUState: instance.h. `loggingOn` is about debug messages, and there are
@@ -8,6 +8,7 @@
 #include "identity.h"
 #include "instance.h"
 
+#include <float.h>
 #include <stddef.h>
 
 static const struct type Float32 = {"Float32", 0, false};
@@ -55,20 +56,25 @@ STICKSLIP_EXPORT fmi3Status FMI3(fmi3SetDebugLogging)(fmi3Instance instance, fmi
 
 STICKSLIP_EXPORT fmi3Instance FMI3(fmi3InstantiateCoSimulation)(
     fmi3String name, fmi3String token, fmi3String resources IGNORED, fmi3Boolean visible IGNORED,
-    fmi3Boolean logging_on IGNORED, fmi3Boolean event_mode_used,
-    fmi3Boolean early_return_allowed IGNORED, const fmi3ValueReference intermediate[] IGNORED,
+    fmi3Boolean logging_on IGNORED, fmi3Boolean event_mode_used, fmi3Boolean early_return_allowed,
+    const fmi3ValueReference intermediate[] IGNORED,
     size_t intermediate_count, fmi3InstanceEnvironment environment,
     fmi3LogMessageCallback logger, fmi3IntermediateUpdateCallback update IGNORED)
 {
-    if (event_mode_used || intermediate_count > 0) {
+    if (intermediate_count > 0) {
         if (logger != NULL)
             logger(environment, fmi3Error, "logStatusError",
-                   "fmi3InstantiateCoSimulation: event mode and intermediate update are not "
-                   "offered");
+                   "fmi3InstantiateCoSimulation: intermediate update is not offered");
         return NULL;
     }
-    return instance_make(&FMI3_VERSION, "fmi3InstantiateCoSimulation", name, STICKSLIP_IDENTITY,
-                         token, (void (*)(void))logger, environment);
+    struct instance *it =
+        instance_make(&FMI3_VERSION, "fmi3InstantiateCoSimulation", name, STICKSLIP_IDENTITY, token,
+                      (void (*)(void))logger, environment);
+    if (it != NULL) {
+        it->has_events = event_mode_used;
+        it->stops = early_return_allowed;
+    }
+    return it;
 }
 
 STICKSLIP_EXPORT fmi3Instance FMI3(fmi3InstantiateModelExchange)(
@@ -142,10 +148,45 @@ STICKSLIP_EXPORT fmi3Status FMI3(fmi3DoStep)(fmi3Instance instance, fmi3Float64 
         !instance_given(it, "fmi3DoStep", "earlyReturn", early_return) ||
         !instance_given(it, "fmi3DoStep", "lastSuccessfulTime", last_successful_time))
         return fmi3Error;
-    const bool taken = instance_step(it, time, step);
     *event_handling_needed = *terminate_simulation = *early_return = false;
+    const bool taken =
+        it->has_events || it->stops
+            ? instance_step_to_event(it, time, step, event_handling_needed, early_return)
+            : instance_step(it, time, step);
     *last_successful_time = it->now.time;
     return status_of(taken);
+}
+
+/* Event mode. */
+
+STICKSLIP_EXPORT fmi3Status FMI3(fmi3EnterEventMode)(fmi3Instance instance)
+{
+    return status_of(instance_enter_event_mode(instance));
+}
+
+STICKSLIP_EXPORT fmi3Status FMI3(fmi3UpdateDiscreteStates)(
+    fmi3Instance instance, fmi3Boolean *need_update, fmi3Boolean *terminate,
+    fmi3Boolean *nominals_changed, fmi3Boolean *values_changed, fmi3Boolean *next_event_defined,
+    fmi3Float64 *next_event)
+{
+    static const char *const CALL = "fmi3UpdateDiscreteStates";
+    struct instance *it = instance;
+    if (it == NULL || !instance_given(it, CALL, "discreteStatesNeedUpdate", need_update) ||
+        !instance_given(it, CALL, "terminateSimulation", terminate) ||
+        !instance_given(it, CALL, "nominalsOfContinuousStatesChanged", nominals_changed) ||
+        !instance_given(it, CALL, "valuesOfContinuousStatesChanged", values_changed) ||
+        !instance_given(it, CALL, "nextEventTimeDefined", next_event_defined) ||
+        !instance_given(it, CALL, "nextEventTime", next_event))
+        return fmi3Error;
+    *need_update = *terminate = *nominals_changed = *values_changed = *next_event_defined = false;
+    if (!instance_update(it, next_event)) return fmi3Error;
+    *next_event_defined = *next_event <= DBL_MAX;
+    return fmi3OK;
+}
+
+STICKSLIP_EXPORT fmi3Status FMI3(fmi3EnterStepMode)(fmi3Instance instance)
+{
+    return status_of(instance_enter_step_mode(instance));
 }
 
 /* Values of numbers. */
@@ -330,7 +371,7 @@ STICKSLIP_EXPORT fmi3Status FMI3(fmi3ExitConfigurationMode)(fmi3Instance instanc
     return status_of(instance_unsupported(instance, "fmi3ExitConfigurationMode"));
 }
 
-/* Calls of event mode, step mode, clocks, model exchange and scheduled execution. */
+/* Calls of clocks, model exchange and scheduled execution. */
 
 #define ABSENT(NAME, ...)                                                                          \
     STICKSLIP_EXPORT fmi3Status FMI3(NAME)(fmi3Instance instance, __VA_ARGS__)                     \
@@ -344,13 +385,8 @@ STICKSLIP_EXPORT fmi3Status FMI3(fmi3ExitConfigurationMode)(fmi3Instance instanc
         return status_of(instance_absent(instance, #NAME));                                        \
     }
 
-ABSENT_MODE(fmi3EnterEventMode)
-ABSENT_MODE(fmi3EnterStepMode)
 ABSENT_MODE(fmi3EnterContinuousTimeMode)
 ABSENT_MODE(fmi3EvaluateDiscreteStates)
-ABSENT(fmi3UpdateDiscreteStates, fmi3Boolean *need_update IGNORED, fmi3Boolean *terminate IGNORED,
-       fmi3Boolean *nominals_changed IGNORED, fmi3Boolean *values_changed IGNORED,
-       fmi3Boolean *next_event_defined IGNORED, fmi3Float64 *next_event IGNORED)
 
 ABSENT(fmi3GetClock, const fmi3ValueReference references[] IGNORED, size_t count IGNORED,
        fmi3Clock values[] IGNORED)

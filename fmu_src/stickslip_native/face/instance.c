@@ -9,8 +9,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const char *const PHASE_NAMES[PHASES] = {"instantiated", "initialization", "stepping",
-                                                "terminated"};
+static const char *const PHASE_NAMES[PHASES] = {
+    "instantiated", "initialization", "stepping", "stepping, with an event to handle",
+    "event mode",   "terminated"};
 
 /* A state that the simulator holds, or held: its mark is that of the FMU, or the complement. */
 struct state {
@@ -67,7 +68,7 @@ bool instance_absent(struct instance *it, const char *call)
     char reason[MESSAGE_SIZE];
     if (!sound(it)) return false;
     snprintf(reason, sizeof reason,
-             "%s is not allowed here: this is co-simulation without event mode", call);
+             "%s is not allowed here: this is co-simulation without clocks", call);
     return instance_fail(it, reason);
 }
 
@@ -136,6 +137,30 @@ static bool start_block(struct instance *it)
     return it->now.settled || refuse(it, refused, 0.0, 0.0);
 }
 
+/* Whether values that are set act from the next step or event on. */
+static bool running(const struct instance *it)
+{
+    return STEPPING <= it->now.phase && it->now.phase <= EVENT_MODE;
+}
+
+/* Read the discrete outputs of the block. */
+static bool read_discrete(struct instance *it, double values[DISCRETE])
+{
+    for (int n = 0; n < VARIABLES; n++) {
+        if (ROWS[n].discrete < 0) continue;
+        const enum refusal refused =
+            block_read(&it->now.block, (enum reference)n, &values[ROWS[n].discrete]);
+        if (refused != ACCEPTED) return refuse(it, refused, 0.0, 0.0);
+    }
+    return true;
+}
+
+/* Hold the discrete outputs as they are now. */
+static bool hold_discrete(struct instance *it)
+{
+    return read_discrete(it, it->now.held);
+}
+
 bool instance_reset(struct instance *it)
 {
     if (it == NULL) return false;
@@ -145,6 +170,8 @@ bool instance_reset(struct instance *it)
     it->now.phase = INSTANTIATED;
     it->ready = it->failed = false;
     it->warned = 0;
+    it->now.holds = false;
+    memset(it->now.held, 0, sizeof it->now.held);
     return start_block(it);
 }
 
@@ -224,9 +251,10 @@ bool instance_exit_initialization(struct instance *it)
 {
     if (!sound(it) || !require(it, INITIALIZATION, "exitInitializationMode")) return false;
     if (!start_block(it)) return false;
-    it->now.phase = STEPPING;
+    it->now.phase = it->has_events ? EVENT_MODE : STEPPING;
+    it->now.holds = it->has_events;
     warn(it);
-    return true;
+    return !it->has_events || hold_discrete(it);
 }
 
 bool instance_terminate(struct instance *it)
@@ -255,6 +283,67 @@ bool instance_step(struct instance *it, double time, double step)
     /* A state holds no time beyond the numbers. */
     const double end = time + step;
     it->now.time = end > DBL_MAX ? DBL_MAX : end;
+    return true;
+}
+
+bool instance_step_to_event(struct instance *it, double time, double step, bool *event,
+                            bool *early)
+{
+    struct stop stop = {.time = time + step};
+    *event = *early = false;
+    if (!it->ready && !prepare_step(it)) return false;
+    enum refusal refused = it->stops
+                               ? block_advance_to_event(&it->now.block, time, step, &stop)
+                               : block_advance(&it->now.block, time, step);
+    *early = stop.time < time + step;
+    if (refused == ACCEPTED && stop.event && !it->has_events)
+        refused = block_settle(&it->now.block, stop.time);
+    if (refused != ACCEPTED) return refuse(it, refused, time, step);
+    it->now.time = stop.time > DBL_MAX ? DBL_MAX : stop.time;
+    if (!it->has_events) return true;
+    double values[DISCRETE];
+    if (!read_discrete(it, values)) return false;
+    *event = stop.event || memcmp(values, it->now.held, sizeof values) != 0;
+    if (*event) {
+        it->now.phase = EVENT_DUE;
+        it->ready = false;
+    }
+    return true;
+}
+
+bool instance_enter_event_mode(struct instance *it)
+{
+    if (!sound(it)) return false;
+    if (!it->has_events)
+        return instance_fail(it, "fmi3EnterEventMode is not allowed here: the instance was made "
+                                 "without event mode");
+    if (it->now.phase != EVENT_DUE && !require(it, STEPPING, "fmi3EnterEventMode")) return false;
+    it->now.phase = EVENT_MODE;
+    it->ready = false;
+    return true;
+}
+
+/* Go through all that is due in event mode. */
+static bool settle(struct instance *it, const char *call)
+{
+    if (!sound(it) || !require(it, EVENT_MODE, call)) return false;
+    const enum refusal refused = block_settle(&it->now.block, it->now.time);
+    if (refused != ACCEPTED) return refuse(it, refused, it->now.time, 0.0);
+    warn(it);
+    return hold_discrete(it);
+}
+
+bool instance_update(struct instance *it, double *next_event)
+{
+    if (!settle(it, "fmi3UpdateDiscreteStates")) return false;
+    *next_event = block_next_event(&it->now.block, it->now.time);
+    return true;
+}
+
+bool instance_enter_step_mode(struct instance *it)
+{
+    if (!settle(it, "fmi3EnterStepMode")) return false;
+    it->now.phase = STEPPING;
     return true;
 }
 
@@ -330,6 +419,10 @@ bool instance_get(struct instance *it, const struct type *type, const uint32_t r
     const uint32_t reference = references[position];
     enum refusal refused = ACCEPTED;
     if (has(type, reference)) {
+        if (it->now.holds && ROWS[reference].discrete >= 0) {
+            *value = it->now.held[ROWS[reference].discrete];
+            return true;
+        }
         refused = block_read(&it->now.block, (enum reference)reference, value);
         if (refused == ACCEPTED) return true;
     } else if (is_time(type, reference)) {
@@ -358,7 +451,7 @@ bool instance_set(struct instance *it, const struct type *type, uint32_t referen
     if (!has(type, reference)) return refuse_reference(it, type, reference);
     char reason[MESSAGE_SIZE];
     const struct row *row = &ROWS[reference];
-    const bool stepping = it->now.phase == STEPPING;
+    const bool runs = running(it);
     double *kept = value_of(&it->now.values, row);
 
     if (it->now.phase == TERMINATED) {
@@ -368,11 +461,11 @@ bool instance_set(struct instance *it, const struct type *type, uint32_t referen
     }
     if (!row->settable) {
         /* Before the start an importer may write back the start values that it read. */
-        if (!stepping && row->has_start && value == row->start) return true;
+        if (!runs && row->has_start && value == row->start) return true;
         snprintf(reason, sizeof reason, "%s is an output: it cannot be set", row->name);
         return instance_fail(it, reason);
     }
-    if (stepping && row->fixed) {
+    if (runs && row->fixed) {
         if (value == *kept) return true;
         snprintf(reason, sizeof reason, "%s is fixed: it cannot change after initialization",
                  row->name);
@@ -382,7 +475,12 @@ bool instance_set(struct instance *it, const struct type *type, uint32_t referen
         range_text(row, value, reason);
         return instance_fail(it, reason);
     }
-    if (!stepping) {
+    if (runs && row->tunable && it->has_events && it->now.phase != EVENT_MODE) {
+        if (value == *kept) return true;
+        snprintf(reason, sizeof reason, "%s is tunable: it can change in event mode", row->name);
+        return instance_fail(it, reason);
+    }
+    if (!runs) {
         *kept = value;
         it->now.settled = false;
     } else if (value != *kept) {
@@ -394,7 +492,7 @@ bool instance_set(struct instance *it, const struct type *type, uint32_t referen
 
 bool instance_end_set(struct instance *it)
 {
-    if (it->now.phase != STEPPING) return true;
+    if (!running(it)) return true;
     /* Whether there is something to warn of shows when all values for a step are set. */
     it->ready = false;
     const enum refusal refused = block_check(&it->now.block);
@@ -462,7 +560,12 @@ bool instance_get_state(struct instance *it, const char *call, void **handle)
 bool instance_set_state(struct instance *it, const void *handle)
 {
     if (it == NULL || !held(it, "set", handle)) return false;
-    it->now = ((const struct state *)handle)->kept;
+    const struct situation *kept = &((const struct state *)handle)->kept;
+    const bool runs = STEPPING <= kept->phase && kept->phase <= EVENT_MODE;
+    if (runs && kept->holds != it->has_events)
+        return instance_fail(it, "the state to set is of an instance that was made with event mode "
+                                 "where this one was not, or the other way round");
+    it->now = *kept;
     it->ready = it->failed = false;
     return true;
 }

@@ -49,6 +49,8 @@ struct instance {
     bool ready;                       /* whether a step may go straight to the block */
     bool failed;                      /* a call failed, for the reason in `fault` */
     int warned;                       /* count of the remarks of the law that were told last */
+    bool has_events;                  /* whether event mode is used */
+    bool stops;                       /* whether a step may end early */
     bool logs_warnings, logs_errors;  /* which messages the simulator wants */
     struct remark warned_of[MOST_REMARKS];
     const struct version *version;
@@ -77,7 +79,7 @@ void instance_tell(const struct instance *it, enum status status, const char *te
 /* Refuse a call for this reason, or for that of the first failure. */
 bool instance_fail(struct instance *it, const char *reason);
 
-/* Refuse a call of a phase that co-simulation does not have. */
+/* Refuse a call of a mode that the FMU does not have. */
 bool instance_absent(struct instance *it, const char *call);
 
 /* Refuse a call that the FMU does not offer. It changes nothing. */
@@ -98,6 +100,17 @@ bool instance_terminate(struct instance *it);
 
 /* Move on by one step [s] from this time [s]. */
 bool instance_step(struct instance *it, double time, double step);
+
+/* The same as the instance was told to: with `stops` no further than to the first change of mode,
+ * which with `has_events` is left to event mode. */
+bool instance_step_to_event(struct instance *it, double time, double step, bool *event,
+                            bool *early);
+
+/* Event mode, of instances that have it. The update goes through all that is due, and tells when
+ * the next change of mode will be [s], infinity where none is known. */
+bool instance_enter_event_mode(struct instance *it);
+bool instance_update(struct instance *it, double *next_event);
+bool instance_enter_step_mode(struct instance *it);
 
 /* Get values: instance_begin_get, then instance_get of each. `count` references came with `values`,
  * an array of `value_count`. */

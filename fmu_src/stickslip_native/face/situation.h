@@ -6,7 +6,7 @@
 
 #include <stdbool.h>
 
-enum phase { INSTANTIATED, INITIALIZATION, STEPPING, TERMINATED, PHASES };
+enum phase { INSTANTIATED, INITIALIZATION, STEPPING, EVENT_DUE, EVENT_MODE, TERMINATED, PHASES };
 
 struct situation {
     struct block block;
@@ -14,6 +14,8 @@ struct situation {
     double time;            /* the start time, or the end of the last step [s] */
     enum phase phase;
     bool settled; /* whether the block was started from `values` */
+    bool holds;   /* whether discrete outputs are held from event mode to event mode */
+    double held[DISCRETE]; /* those outputs, 0 where they are not held */
 };
 
 #endif
