@@ -230,14 +230,13 @@ static enum refusal advance_through(struct block *block, double time, double ste
 {
     if (!(0.0 < step && step <= DBL_MAX)) return STEP_OUT_OF_RANGE;
     if (!isfinite(time)) return TIME_OUT_OF_RANGE;
-    const bool begins = block->changed || !block->started;
+    const struct block entry = *block;
     struct block before;
-    if (begins) {
-        if (stop != NULL) before = *block;
+    if (block->changed || !block->started) {
         const enum refusal refused = begin(block, time);
         if (refused != ACCEPTED) return refused;
-        if (stop != NULL && block->mode != before.mode) {
-            *block = before;
+        if (stop != NULL && block->mode != entry.mode) {
+            *block = entry;
             *stop = (struct stop){.time = time, .event = true};
             return ACCEPTED;
         }
@@ -262,8 +261,10 @@ static enum refusal advance_through(struct block *block, double time, double ste
         elapsed = left;
         transitions++;
         if (transitions % TRANSITIONS_TO_ESTIMATE == 0 &&
-            !keeps_pace(transitions, step, step - left.high))
+            !keeps_pace(transitions, step, step - left.high)) {
+            *block = entry;
             return TOO_MANY_TRANSITIONS;
+        }
     }
     block->elapsed = elapsed;
     block->horizon = block->arc.duration;

@@ -62,7 +62,7 @@ void block_set(struct block *block, enum reference reference, double value);
 enum refusal block_check(const struct block *block);
 
 /* Move on by one communication step [s] from this time [s], which dates t_event and nothing else.
- */
+ * After TOO_MANY_TRANSITIONS the block is as it was. */
 enum refusal block_advance(struct block *block, double time, double step);
 
 /* Where a step ended: at its end, or at the first change of mode in it. */

@@ -149,12 +149,12 @@ STICKSLIP_EXPORT fmi3Status FMI3(fmi3DoStep)(fmi3Instance instance, fmi3Float64 
         !instance_given(it, "fmi3DoStep", "lastSuccessfulTime", last_successful_time))
         return fmi3Error;
     *event_handling_needed = *terminate_simulation = *early_return = false;
-    const bool taken =
+    const enum status status =
         it->has_events || it->stops
             ? instance_step_to_event(it, time, step, event_handling_needed, early_return)
             : instance_step(it, time, step);
     *last_successful_time = it->now.time;
-    return status_of(taken);
+    return (fmi3Status)status;
 }
 
 /* Event mode. */

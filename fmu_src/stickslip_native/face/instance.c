@@ -274,41 +274,56 @@ static bool prepare_step(struct instance *it)
     return true;
 }
 
-bool instance_step(struct instance *it, double time, double step)
+/* Refuse a step, or discard it. */
+static enum status refuse_step(struct instance *it, enum refusal refused, double time, double step)
 {
-    if (it == NULL) return false;
-    if (!it->ready && !prepare_step(it)) return false;
-    const enum refusal refused = block_advance(&it->now.block, time, step);
-    if (refused != ACCEPTED) return refuse(it, refused, time, step);
-    /* A state holds no time beyond the numbers. */
-    const double end = time + step;
-    it->now.time = end > DBL_MAX ? DBL_MAX : end;
-    return true;
+    char reason[MESSAGE_SIZE];
+    if (refused != TOO_MANY_TRANSITIONS) {
+        refuse(it, refused, time, step);
+        return STATUS_ERROR;
+    }
+    refusal_text(refused, &it->now.values, time, step, reason);
+    instance_tell(it, STATUS_DISCARD, reason);
+    return STATUS_DISCARD;
 }
 
-bool instance_step_to_event(struct instance *it, double time, double step, bool *event,
-                            bool *early)
+/* A state holds no time beyond the numbers. */
+static double within_numbers(double time)
+{
+    return time > DBL_MAX ? DBL_MAX : time;
+}
+
+enum status instance_step(struct instance *it, double time, double step)
+{
+    if (it == NULL || (!it->ready && !prepare_step(it))) return STATUS_ERROR;
+    const enum refusal refused = block_advance(&it->now.block, time, step);
+    if (refused != ACCEPTED) return refuse_step(it, refused, time, step);
+    it->now.time = within_numbers(time + step);
+    return STATUS_OK;
+}
+
+enum status instance_step_to_event(struct instance *it, double time, double step, bool *event,
+                                   bool *early)
 {
     struct stop stop = {.time = time + step};
-    *event = *early = false;
-    if (!it->ready && !prepare_step(it)) return false;
+    if (!it->ready && !prepare_step(it)) return STATUS_ERROR;
     enum refusal refused = it->stops
                                ? block_advance_to_event(&it->now.block, time, step, &stop)
                                : block_advance(&it->now.block, time, step);
-    *early = stop.time < time + step;
     if (refused == ACCEPTED && stop.event && !it->has_events)
         refused = block_settle(&it->now.block, stop.time);
-    if (refused != ACCEPTED) return refuse(it, refused, time, step);
-    it->now.time = stop.time > DBL_MAX ? DBL_MAX : stop.time;
-    if (!it->has_events) return true;
+    if (refused != ACCEPTED) return refuse_step(it, refused, time, step);
+    *early = stop.time < time + step;
+    it->now.time = within_numbers(stop.time);
+    if (!it->has_events) return STATUS_OK;
     double values[DISCRETE];
-    if (!read_discrete(it, values)) return false;
+    if (!read_discrete(it, values)) return STATUS_ERROR;
     *event = stop.event || memcmp(values, it->now.held, sizeof values) != 0;
     if (*event) {
         it->now.phase = EVENT_DUE;
         it->ready = false;
     }
-    return true;
+    return STATUS_OK;
 }
 
 bool instance_enter_event_mode(struct instance *it)

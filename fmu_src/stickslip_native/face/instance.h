@@ -98,13 +98,14 @@ bool instance_enter_initialization(struct instance *it);
 bool instance_exit_initialization(struct instance *it);
 bool instance_terminate(struct instance *it);
 
-/* Move on by one step [s] from this time [s]. */
-bool instance_step(struct instance *it, double time, double step);
+/* Move on by one step [s] from this time [s]. A step that would take minutes is discarded: the
+ * instance is as it was, and may be called on. */
+enum status instance_step(struct instance *it, double time, double step);
 
 /* The same as the instance was told to: with `stops` no further than to the first change of mode,
  * which with `has_events` is left to event mode. */
-bool instance_step_to_event(struct instance *it, double time, double step, bool *event,
-                            bool *early);
+enum status instance_step_to_event(struct instance *it, double time, double step, bool *event,
+                                   bool *early);
 
 /* Event mode, of instances that have it. The update goes through all that is due, and tells when
  * the next change of mode will be [s], infinity where none is known. */
