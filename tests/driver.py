@@ -75,12 +75,16 @@ class Fmu:
         self.is_native = not (self.folder / "resources" / "slavemodule.txt").exists()
         self.references: dict[str, int] = {}
         self.types: dict[str, str] = {}
+        # Variables of FMI 3.0 beside the table: time, derivatives, indicators.
+        self.beside: set[str] = set()
         for variable in root.iterfind("ModelVariables/*"):
             kind = variable.tag if self.version == 3 else variable[0].tag
             if kind == "Enumeration":
                 kind = "Int64" if self.version == 3 else "Integer"
             self.references[variable.attrib["name"]] = int(variable.attrib["valueReference"])
             self.types[variable.attrib["name"]] = kind
+            if variable.attrib["causality"] in ("independent", "local"):
+                self.beside.add(variable.attrib["name"])
         self.library = c.CDLL(str(self.binary))
         self.messages: list[tuple[int, str, str]] = []
         self.logger = _LOGGERS[self.version](self._hear)
@@ -221,8 +225,8 @@ class Instance:
         return [found[name] for name in names]
 
     def everything(self) -> dict[str, Any]:
-        """Return all variables but FMI 3.0's time, by their names."""
-        names = sorted(self.fmu.references.keys() - {"time"})
+        """Return all variables of the table, by their names."""
+        names = sorted(self.fmu.references.keys() - self.fmu.beside)
         return dict(zip(names, self.get(*names), strict=True))
 
     def reset(self) -> None:

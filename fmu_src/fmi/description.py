@@ -4,11 +4,22 @@ import hashlib
 import os
 import uuid
 from datetime import datetime, timezone
-from typing import Any, Dict, Iterable, Iterator, List, Literal
+from typing import (
+    Any,
+    Dict,
+    Iterable,
+    Iterator,
+    List,
+    Literal,
+    Mapping,
+    NamedTuple,
+    Optional,
+    Tuple,
+)
 from xml.etree.ElementTree import Element, SubElement
 
 from .model import Spec
-from .table import Quantity, Table, Variable
+from .table import Quantity, Table, Unit, Variable
 
 Face = Literal[2, 3]
 """The major version of FMI."""
@@ -37,6 +48,39 @@ _CAPABILITIES: Dict[Face, Dict[str, str]] = {
 }
 
 
+_OF_BOTH = (
+    "needsExecutionTool",
+    "canBeInstantiatedOnlyOncePerProcess",
+    "canGetAndSetFMUState",
+    "canSerializeFMUState",
+)
+
+
+class Equations(NamedTuple):
+    """What a solver of the simulator's integrates, by model exchange of FMI 3.0.
+
+    Attributes
+    ----------
+    states
+        The continuous states in their order, outputs all, and the variable of each derivative.
+    indicators
+        Local variables whose changes of sign are events.
+    local
+        Quantity and description of the variables that the table does not have. Their value
+        references follow that of the time.
+    units
+        Units that the table has not.
+    depends
+        States and inputs that outputs, derivatives and indicators depend on between events.
+    """
+
+    states: Mapping[str, str]
+    indicators: Tuple[str, ...]
+    local: Mapping[str, Tuple[Quantity, str]]
+    units: Mapping[str, Unit]
+    depends: Mapping[str, Tuple[str, ...]]
+
+
 def identity(content: str) -> str:
     """Return the GUID that goes with a digest of the FMU's content.
 
@@ -52,6 +96,7 @@ def model_description(
     generator: str,
     refusals: str = "",
     sources: Iterable[str] = (),
+    equations: Optional[Equations] = None,
 ) -> Element:
     """Return the root of modelDescription.xml.
 
@@ -69,6 +114,8 @@ def model_description(
         Meaning of the errors in the log; "" where the FMU logs none.
     sources
         Files in sources/ that have to be compiled, for FMI 2.0.
+    equations
+        What the FMU has for model exchange, in FMI 3.0; None for nothing.
 
     Raises
     ------
@@ -95,9 +142,12 @@ def model_description(
             "variableNamingConvention": "flat",
         },
     )
+    if equations is not None:
+        both = {name: _CAPABILITIES[face][name] for name in _OF_BOTH}
+        SubElement(root, "ModelExchange", {"modelIdentifier": spec.name, **both})
     slave = SubElement(root, "CoSimulation", {"modelIdentifier": spec.name, **_CAPABILITIES[face]})
     _add(slave, "SourceFiles", (Element("File", {"name": name}) for name in sources))
-    _add(root, "UnitDefinitions", _units(table))
+    _add(root, "UnitDefinitions", _units({**table.units, **(equations.units if equations else {})}))
     _add(root, "TypeDefinitions", _types(table, face))
     _add(root, "LogCategories", _log_categories(refusals))
     times = zip(("startTime", "stopTime", "stepSize"), spec.experiment)
@@ -105,8 +155,12 @@ def model_description(
     SubElement(root, "DefaultExperiment", experiment)
     if face == 2:
         _add(root, "VendorAnnotations", _annotations(spec, "Tool", "name"))
-    _add(root, "ModelVariables", _variables(table, face))
-    _add_structure(SubElement(root, "ModelStructure"), table, face)
+    variables = SubElement(root, "ModelVariables")
+    variables.extend(_variables(table, face))
+    structure = SubElement(root, "ModelStructure")
+    _add_structure(structure, table, face)
+    if equations is not None:
+        _add_equations(variables, structure, table, equations)
     if face == 3:
         _add(root, "Annotations", _annotations(spec, "Annotation", "type"))
     return root
@@ -130,8 +184,8 @@ def _add(parent: Element, tag: str, members: Iterable[Element]) -> None:
         SubElement(parent, tag).extend(listed)
 
 
-def _units(table: Table) -> Iterator[Element]:
-    for name, unit in table.units.items():
+def _units(units: Mapping[str, Unit]) -> Iterator[Element]:
+    for name, unit in units.items():
         element = Element("Unit", {"name": name})
         SubElement(element, "BaseUnit", {base: str(power) for base, power in unit.base.items()})
         for display, factor in unit.displays:
@@ -261,3 +315,36 @@ def _add_structure(parent: Element, table: Table, face: Face) -> None:
         _add(parent, "InitialUnknowns", unknowns)
     else:
         parent.extend([*outputs, *unknowns])
+
+
+def _add_equations(
+    variables: Element, structure: Element, table: Table, equations: Equations
+) -> None:
+    """Add states, derivatives and indicators, and what outputs depend on between events."""
+    references = {row.name: str(row.number) for row in table.rows}
+    states = {rate: references[state] for state, rate in equations.states.items()}
+    for n, (name, (quantity, description)) in enumerate(equations.local.items(), start=1):
+        references[name] = str(table.time_reference + n)
+        attributes = {"name": name, "valueReference": references[name], "description": description}
+        attributes.update(causality="local", variability="continuous", initial="calculated")
+        SubElement(variables, "Float64", {**attributes, **_type_attributes(quantity)})
+    for variable in variables:
+        if variable.get("name") in states:
+            variable.set("derivative", states[variable.attrib["name"]])
+    depends = {
+        references[name]: " ".join(sorted((references[on] for on in knowns), key=int))
+        for name, knowns in equations.depends.items()
+    }
+    for output in structure.iterfind("Output"):
+        output.set("dependencies", depends.get(output.attrib["valueReference"], ""))
+    at = len(structure.findall("Output"))
+    for name in equations.states.values():
+        known = {"valueReference": references[name], "dependencies": depends[references[name]]}
+        structure.insert(at, Element("ContinuousStateDerivative", known))
+        at += 1
+        if name in equations.local:
+            start = {"valueReference": references[name]}
+            structure.append(Element("InitialUnknown", start))
+    for name in equations.indicators:
+        known = {"valueReference": references[name], "dependencies": depends[references[name]]}
+        structure.append(Element("EventIndicator", known))

@@ -10,6 +10,7 @@ from fmi.packer import digest_of, write_fmu
 from stickslip_fmu.laws.named import COULOMB_NAME
 
 from .compiler import FLAGS, Compiler, compiler_for
+from .equations import EQUATIONS
 from .named import HOME, native_law
 from .platforms import Platform, universal
 from .table import table_files
@@ -110,7 +111,8 @@ def description(face: Face, sources: Mapping[str, bytes], law: str = COULOMB_NAM
     compiled = _compiled(sources) if face == 2 else []
     maker, own = f"stickslip {spec.version}", _identity(face, sources)
     refusals = "A call was refused, and why."
-    return _text_of(model_description(spec, face, own, maker, refusals, compiled))
+    equations = EQUATIONS if face == 3 else None
+    return _text_of(model_description(spec, face, own, maker, refusals, compiled, equations))
 
 
 def _identity(face: Face, sources: Mapping[str, bytes]) -> str:

@@ -136,7 +136,8 @@ def _known(instance: Instance) -> dict[str, Any]:
 
 
 def _ask_ever_other_lists(instance: Instance) -> None:
-    reals = [name for name, kind in instance.fmu.types.items() if kind in ("Real", "Float64")]
+    types = {n: kind for n, kind in instance.fmu.types.items() if n not in instance.fmu.beside}
+    reals = [name for name, kind in types.items() if kind in ("Real", "Float64")]
     names = _CHANCE.sample(reals, 5)
     assert instance.get(*names) == [_known(instance).get(name, 0.0) for name in names]
 

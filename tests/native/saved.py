@@ -9,6 +9,7 @@ from fmi.table import Table
 HEAD = (("magic", "8s"), ("version", "I"), ("length", "I"), ("names", "Q"))
 _SUMS = ("elapsed", "x_start", "W_pull", "W_k", "Q_friction")
 _METER = ("t_stick", "t_slip", "T", "delta_x", "spring_drop", "x_dot_peak", "t_event")
+_INPUTS = ("v", "load", "F_ext")
 _METER_SUMS = ("phase", "cycle", "displacement", "relief")
 
 
@@ -30,6 +31,10 @@ def fields(table: Table) -> Iterator[tuple[str, str]]:
     yield from (("time", "d"), ("fmi_phase", "i"), ("settled", "?"), ("holds", "?"))
     outputs = [row for row in table.rows if row.causality == "output"]
     yield from ((f"held.{row.name}", "d") for row in outputs if row.variability == "discrete")
+    yield "solved", "?"
+    solver = ("time", *(f"state.{n}" for n in range(5)), "entered", "due", "peak", *_INPUTS)
+    yield from ((f"solver.{name}", "d") for name in solver)
+    yield "moved", "?"
 
 
 def _sums(names: tuple[str, ...]) -> Iterator[tuple[str, str]]:

@@ -101,7 +101,7 @@ IMPOSSIBLE: dict[str, list[Any]] = {
     "length": [0, 2**32 - 1],
     "mode": [-2, 2, MOST_SLIPS],
     "n_slips": [-1],
-    "fmi_phase": [-1, 3, 4, 6, MOST_SLIPS],
+    "fmi_phase": [-1, 3, 4, 5, 7, MOST_SLIPS],
 }
 
 

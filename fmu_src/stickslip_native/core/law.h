@@ -100,6 +100,8 @@ struct law {
                           const struct friction *before);
     /* Break-away force of a stick of this age [N]. */
     double (*hold)(const struct friction *it, double age);
+    /* Friction of a slip at this speed, at least 0, without its viscous part [N]. */
+    double (*force)(const struct friction *it, double speed);
     /* The arc that begins where the mass stands; mode 0 for a mass at rest. */
     enum refusal (*begin)(const struct friction *it, int mode, double z, double x_dot, double age,
                           const double own[MOST_OWN], struct arc *begun);

@@ -16,8 +16,9 @@ struct saved {
     struct settings values;
     double time;
     int32_t phase;
-    bool settled, holds;
+    bool settled, holds, solved;
     double held[DISCRETE];
+    struct continuous solver;
 };
 
 /* Bytes that are counted, written, read or compared, one field after the other. */
@@ -147,6 +148,16 @@ static void visit(struct stream *stream, struct saved *it)
     truth(stream, &it->settled);
     truth(stream, &it->holds);
     for (int n = 0; n < DISCRETE; n++) real(stream, &it->held[n]);
+    truth(stream, &it->solved);
+    real(stream, &it->solver.time);
+    for (int n = 0; n < STATES; n++) real(stream, &it->solver.states[n]);
+    real(stream, &it->solver.entered);
+    real(stream, &it->solver.due);
+    real(stream, &it->solver.peak);
+    real(stream, &it->solver.v);
+    real(stream, &it->solver.load);
+    real(stream, &it->solver.F_ext);
+    truth(stream, &it->solver.moved);
 }
 
 /* All that comes before the fields. */
@@ -173,6 +184,8 @@ void bytes_write(const struct situation *situation, unsigned char *bytes)
         .phase = (int32_t)situation->phase,
         .settled = situation->settled,
         .holds = situation->holds,
+        .solved = situation->solved,
+        .solver = situation->solver,
     };
     memcpy(saved.held, situation->held, sizeof saved.held);
     struct stream stream = {.way = WRITE, .to = bytes, .at = sizeof MAGIC, .sound = true};
@@ -217,12 +230,15 @@ static bool consistent(const struct saved *it)
     if (!isfinite(meter_frequency(&it->block.meter)) || !can_hold(it)) return false;
     switch (it->phase) {
     case INSTANTIATED:
-    case INITIALIZATION: return !it->block.started && !it->holds;
+    case INITIALIZATION: return !it->block.started && !it->holds && !it->solved;
     case STEPPING:
     case EVENT_DUE:
     case EVENT_MODE:
-        return it->settled && (it->holds || it->phase == STEPPING) &&
-               memcmp(&it->values, &it->block.wanted, sizeof it->values) == 0;
+    case CONTINUOUS:
+        if (it->solved ? it->holds || it->phase < EVENT_MODE
+                       : it->phase == CONTINUOUS || (it->phase != STEPPING && !it->holds))
+            return false;
+        return it->settled && memcmp(&it->values, &it->block.wanted, sizeof it->values) == 0;
     case TERMINATED: return true;
     default: return false;
     }
@@ -287,6 +303,8 @@ bool bytes_read(const unsigned char *bytes, size_t size, struct situation *made,
     made->phase = (enum phase)saved.phase;
     made->settled = saved.settled;
     made->holds = saved.holds;
+    made->solved = saved.solved;
+    made->solver = saved.solver;
     memcpy(made->held, saved.held, sizeof made->held);
     return true;
 }

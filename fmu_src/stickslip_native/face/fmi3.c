@@ -78,14 +78,15 @@ STICKSLIP_EXPORT fmi3Instance FMI3(fmi3InstantiateCoSimulation)(
 }
 
 STICKSLIP_EXPORT fmi3Instance FMI3(fmi3InstantiateModelExchange)(
-    fmi3String name IGNORED, fmi3String token IGNORED, fmi3String resources IGNORED,
-    fmi3Boolean visible IGNORED, fmi3Boolean logging_on IGNORED,
-    fmi3InstanceEnvironment environment, fmi3LogMessageCallback logger)
+    fmi3String name, fmi3String token, fmi3String resources IGNORED, fmi3Boolean visible IGNORED,
+    fmi3Boolean logging_on IGNORED, fmi3InstanceEnvironment environment,
+    fmi3LogMessageCallback logger)
 {
-    if (logger != NULL)
-        logger(environment, fmi3Error, "logStatusError",
-               "fmi3InstantiateModelExchange: model exchange is not offered");
-    return NULL;
+    struct instance *it =
+        instance_make(&FMI3_VERSION, "fmi3InstantiateModelExchange", name, STICKSLIP_IDENTITY,
+                      token, (void (*)(void))logger, environment);
+    if (it != NULL) it->solves = true;
+    return it;
 }
 
 STICKSLIP_EXPORT fmi3Instance FMI3(fmi3InstantiateScheduledExecution)(
@@ -180,7 +181,9 @@ STICKSLIP_EXPORT fmi3Status FMI3(fmi3UpdateDiscreteStates)(
         return fmi3Error;
     *need_update = *terminate = *nominals_changed = *values_changed = *next_event_defined = false;
     if (!instance_update(it, next_event)) return fmi3Error;
-    *next_event_defined = *next_event <= DBL_MAX;
+    *next_event_defined = *next_event < DBL_MAX;
+    /* A solver that is not told so goes on with what it knew of the arc before. */
+    *values_changed = it->solves;
     return fmi3OK;
 }
 
@@ -188,6 +191,55 @@ STICKSLIP_EXPORT fmi3Status FMI3(fmi3EnterStepMode)(fmi3Instance instance)
 {
     return status_of(instance_enter_step_mode(instance));
 }
+
+/* Model exchange. */
+
+STICKSLIP_EXPORT fmi3Status FMI3(fmi3EnterContinuousTimeMode)(fmi3Instance instance)
+{
+    return status_of(instance_enter_continuous(instance));
+}
+
+STICKSLIP_EXPORT fmi3Status FMI3(fmi3SetTime)(fmi3Instance instance, fmi3Float64 time)
+{
+    return status_of(instance_set_time(instance, time));
+}
+
+STICKSLIP_EXPORT fmi3Status FMI3(fmi3CompletedIntegratorStep)(
+    fmi3Instance instance, fmi3Boolean no_earlier_state IGNORED, fmi3Boolean *enter_event_mode,
+    fmi3Boolean *terminate)
+{
+    static const char *const CALL = "fmi3CompletedIntegratorStep";
+    if (!instance_complete_step(instance) ||
+        !instance_given(instance, CALL, "enterEventMode", enter_event_mode) ||
+        !instance_given(instance, CALL, "terminateSimulation", terminate))
+        return fmi3Error;
+    *enter_event_mode = *terminate = false;
+    return fmi3OK;
+}
+
+#define ARRAY(NAME, FUNCTION, CONST)                                                               \
+    STICKSLIP_EXPORT fmi3Status FMI3(NAME)(fmi3Instance instance, CONST fmi3Float64 values[],      \
+                                           size_t count)                                           \
+    {                                                                                              \
+        return status_of(FUNCTION(instance, #NAME, values, count));                                \
+    }
+
+#define COUNT(NAME, SIZE)                                                                          \
+    STICKSLIP_EXPORT fmi3Status FMI3(NAME)(fmi3Instance instance, size_t *count)                   \
+    {                                                                                              \
+        if (instance == NULL || !instance_given(instance, #NAME, "the count", count))              \
+            return fmi3Error;                                                                      \
+        *count = SIZE;                                                                             \
+        return fmi3OK;                                                                             \
+    }
+
+ARRAY(fmi3SetContinuousStates, instance_set_states, const)
+ARRAY(fmi3GetContinuousStates, instance_get_states, )
+ARRAY(fmi3GetContinuousStateDerivatives, instance_get_rates, )
+ARRAY(fmi3GetNominalsOfContinuousStates, instance_get_nominals, )
+ARRAY(fmi3GetEventIndicators, instance_get_indicators, )
+COUNT(fmi3GetNumberOfContinuousStates, STATES)
+COUNT(fmi3GetNumberOfEventIndicators, INDICATORS)
 
 /* Values of numbers. */
 
@@ -371,7 +423,7 @@ STICKSLIP_EXPORT fmi3Status FMI3(fmi3ExitConfigurationMode)(fmi3Instance instanc
     return status_of(instance_unsupported(instance, "fmi3ExitConfigurationMode"));
 }
 
-/* Calls of clocks, model exchange and scheduled execution. */
+/* Calls of clocks and scheduled execution. */
 
 #define ABSENT(NAME, ...)                                                                          \
     STICKSLIP_EXPORT fmi3Status FMI3(NAME)(fmi3Instance instance, __VA_ARGS__)                     \
@@ -385,7 +437,6 @@ STICKSLIP_EXPORT fmi3Status FMI3(fmi3ExitConfigurationMode)(fmi3Instance instanc
         return status_of(instance_absent(instance, #NAME));                                        \
     }
 
-ABSENT_MODE(fmi3EnterContinuousTimeMode)
 ABSENT_MODE(fmi3EvaluateDiscreteStates)
 
 ABSENT(fmi3GetClock, const fmi3ValueReference references[] IGNORED, size_t count IGNORED,
@@ -411,15 +462,5 @@ ABSENT(fmi3SetShiftDecimal, const fmi3ValueReference references[] IGNORED, size_
 ABSENT(fmi3SetShiftFraction, const fmi3ValueReference references[] IGNORED, size_t count IGNORED,
        const fmi3UInt64 counters[] IGNORED, const fmi3UInt64 resolutions[] IGNORED)
 
-ABSENT(fmi3SetTime, fmi3Float64 time IGNORED)
-ABSENT(fmi3CompletedIntegratorStep, fmi3Boolean no_earlier_state IGNORED,
-       fmi3Boolean *enter_event_mode IGNORED, fmi3Boolean *terminate IGNORED)
-ABSENT(fmi3GetContinuousStates, fmi3Float64 states[] IGNORED, size_t count IGNORED)
-ABSENT(fmi3SetContinuousStates, const fmi3Float64 states[] IGNORED, size_t count IGNORED)
-ABSENT(fmi3GetContinuousStateDerivatives, fmi3Float64 derivatives[] IGNORED, size_t count IGNORED)
-ABSENT(fmi3GetNominalsOfContinuousStates, fmi3Float64 nominals[] IGNORED, size_t count IGNORED)
-ABSENT(fmi3GetEventIndicators, fmi3Float64 indicators[] IGNORED, size_t count IGNORED)
-ABSENT(fmi3GetNumberOfContinuousStates, size_t *count IGNORED)
-ABSENT(fmi3GetNumberOfEventIndicators, size_t *count IGNORED)
 ABSENT(fmi3ActivateModelPartition, fmi3ValueReference clock IGNORED,
        fmi3Float64 activation_time IGNORED)

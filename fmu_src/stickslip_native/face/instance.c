@@ -11,7 +11,7 @@
 
 static const char *const PHASE_NAMES[PHASES] = {
     "instantiated", "initialization", "stepping", "stepping, with an event to handle",
-    "event mode",   "terminated"};
+    "event mode",   "continuous time", "terminated"};
 
 /* A state that the simulator holds, or held: its mark is that of the FMU, or the complement. */
 struct state {
@@ -68,7 +68,8 @@ bool instance_absent(struct instance *it, const char *call)
     char reason[MESSAGE_SIZE];
     if (!sound(it)) return false;
     snprintf(reason, sizeof reason,
-             "%s is not allowed here: this is co-simulation without clocks", call);
+             "%s is not allowed here: this is %s", call,
+             it->solves ? "model exchange" : "co-simulation without clocks");
     return instance_fail(it, reason);
 }
 
@@ -140,7 +141,7 @@ static bool start_block(struct instance *it)
 /* Whether values that are set act from the next step or event on. */
 static bool running(const struct instance *it)
 {
-    return STEPPING <= it->now.phase && it->now.phase <= EVENT_MODE;
+    return STEPPING <= it->now.phase && it->now.phase <= CONTINUOUS;
 }
 
 /* Read the discrete outputs of the block. */
@@ -172,6 +173,8 @@ bool instance_reset(struct instance *it)
     it->warned = 0;
     it->now.holds = false;
     memset(it->now.held, 0, sizeof it->now.held);
+    it->now.solved = false;
+    it->now.solver = (struct continuous){.time = 0.0};
     return start_block(it);
 }
 
@@ -251,8 +254,10 @@ bool instance_exit_initialization(struct instance *it)
 {
     if (!sound(it) || !require(it, INITIALIZATION, "exitInitializationMode")) return false;
     if (!start_block(it)) return false;
-    it->now.phase = it->has_events ? EVENT_MODE : STEPPING;
+    it->now.phase = it->has_events || it->solves ? EVENT_MODE : STEPPING;
     it->now.holds = it->has_events;
+    it->now.solved = it->solves;
+    if (it->solves) continuous_start(&it->now.solver, &it->now.block, it->now.time);
     warn(it);
     return !it->has_events || hold_discrete(it);
 }
@@ -329,6 +334,10 @@ enum status instance_step_to_event(struct instance *it, double time, double step
 bool instance_enter_event_mode(struct instance *it)
 {
     if (!sound(it)) return false;
+    if (it->now.phase == CONTINUOUS) {
+        it->now.phase = EVENT_MODE;
+        return true;
+    }
     if (!it->has_events)
         return instance_fail(it, "fmi3EnterEventMode is not allowed here: the instance was made "
                                  "without event mode");
@@ -342,27 +351,37 @@ bool instance_enter_event_mode(struct instance *it)
 static bool settle(struct instance *it, const char *call)
 {
     if (!sound(it) || !require(it, EVENT_MODE, call)) return false;
-    const enum refusal refused = block_settle(&it->now.block, it->now.time);
+    const enum refusal refused = it->now.solved
+                                     ? continuous_update(&it->now.solver, &it->now.block)
+                                     : block_settle(&it->now.block, it->now.time);
     if (refused != ACCEPTED) return refuse(it, refused, it->now.time, 0.0);
     warn(it);
-    return hold_discrete(it);
+    return it->now.solved || hold_discrete(it);
 }
 
 bool instance_update(struct instance *it, double *next_event)
 {
     if (!settle(it, "fmi3UpdateDiscreteStates")) return false;
-    *next_event = block_next_event(&it->now.block, it->now.time);
+    *next_event = it->now.solved ? it->now.solver.due
+                                 : block_next_event(&it->now.block, it->now.time);
     return true;
 }
 
 bool instance_enter_step_mode(struct instance *it)
 {
+    if (it != NULL && it->solves) return instance_absent(it, "fmi3EnterStepMode");
     if (!settle(it, "fmi3EnterStepMode")) return false;
     it->now.phase = STEPPING;
     return true;
 }
 
 /* Values. */
+
+/* Let inputs that moved act, in continuous time. */
+static enum refusal adopt(struct instance *it)
+{
+    return it->now.phase == CONTINUOUS ? continuous_adopt(&it->now.block) : ACCEPTED;
+}
 
 static enum sort sort_of(const struct row *row)
 {
@@ -379,6 +398,31 @@ static bool has(const struct type *type, uint32_t reference)
 static bool is_time(const struct type *type, uint32_t reference)
 {
     return type->has_time && reference == VARIABLES;
+}
+
+/* Derivatives and indicators have the references behind that of the time. */
+static bool is_of_equations(const struct type *type, uint32_t reference)
+{
+    return type->has_time && reference > VARIABLES && reference < VARIABLES + STATES + INDICATORS;
+}
+
+/* The block as equations: as the solver has it, or where it stands. */
+static struct continuous equations_of(const struct instance *it)
+{
+    struct continuous made;
+    if (it->now.solved) return it->now.solver;
+    continuous_start(&made, &it->now.block, it->now.time);
+    made.entered = made.time - it->now.block.elapsed.high;
+    return made;
+}
+
+static double of_equations(const struct instance *it, uint32_t reference)
+{
+    double values[STATES + INDICATORS];
+    const struct continuous equations = equations_of(it);
+    continuous_rates(&equations, &it->now.block, values);
+    continuous_indicators(&equations, &it->now.block, values + STATES);
+    return values[reference - VARIABLES];
 }
 
 static bool refuse_reference(struct instance *it, const struct type *type, uint32_t reference)
@@ -398,7 +442,8 @@ static bool refuse_get(struct instance *it, const struct type *type, const uint3
                        size_t count, enum refusal refusal)
 {
     for (size_t n = 0; n < count; n++)
-        if (!has(type, references[n]) && !is_time(type, references[n]))
+        if (!has(type, references[n]) && !is_time(type, references[n]) &&
+            !is_of_equations(type, references[n]))
             return refuse_reference(it, type, references[n]);
     return refuse(it, refusal, 0.0, 0.0);
 }
@@ -434,6 +479,13 @@ bool instance_get(struct instance *it, const struct type *type, const uint32_t r
     const uint32_t reference = references[position];
     enum refusal refused = ACCEPTED;
     if (has(type, reference)) {
+        if (it->now.solved && !ROWS[reference].settable) {
+            refused = adopt(it);
+            if (refused == ACCEPTED)
+                refused = continuous_read(&it->now.solver, &it->now.block,
+                                          (enum reference)reference, value);
+            return refused == ACCEPTED || refuse_get(it, type, references, count, refused);
+        }
         if (it->now.holds && ROWS[reference].discrete >= 0) {
             *value = it->now.held[ROWS[reference].discrete];
             return true;
@@ -443,6 +495,12 @@ bool instance_get(struct instance *it, const struct type *type, const uint32_t r
     } else if (is_time(type, reference)) {
         *value = it->now.time;
         return true;
+    } else if (is_of_equations(type, reference)) {
+        refused = adopt(it);
+        if (refused == ACCEPTED) {
+            *value = of_equations(it, reference);
+            return true;
+        }
     }
     return refuse_get(it, type, references, count, refused);
 }
@@ -458,6 +516,8 @@ bool instance_begin_set(struct instance *it, const char *call, const struct type
         for (size_t n = 0; n < count; n++)
             if (is_time(type, references[n]))
                 return instance_fail(it, "time is the independent variable: it cannot be set");
+            else if (is_of_equations(type, references[n]))
+                return instance_fail(it, "derivatives and indicators cannot be set");
     return lists(it, call, references, count, values, value_count);
 }
 
@@ -490,7 +550,7 @@ bool instance_set(struct instance *it, const struct type *type, uint32_t referen
         range_text(row, value, reason);
         return instance_fail(it, reason);
     }
-    if (runs && row->tunable && it->has_events && it->now.phase != EVENT_MODE) {
+    if (runs && row->tunable && (it->has_events || it->solves) && it->now.phase != EVENT_MODE) {
         if (value == *kept) return true;
         snprintf(reason, sizeof reason, "%s is tunable: it can change in event mode", row->name);
         return instance_fail(it, reason);
@@ -501,6 +561,7 @@ bool instance_set(struct instance *it, const struct type *type, uint32_t referen
     } else if (value != *kept) {
         *kept = value;
         block_set(&it->now.block, (enum reference)reference, value);
+        if (it->now.phase == CONTINUOUS) continuous_note(&it->now.solver, &it->now.block);
     }
     return true;
 }
@@ -512,6 +573,95 @@ bool instance_end_set(struct instance *it)
     it->ready = false;
     const enum refusal refused = block_check(&it->now.block);
     return refused == ACCEPTED || refuse(it, refused, 0.0, 0.0);
+}
+
+/* Model exchange. */
+
+/* Whether an instance is one for model exchange, where such a call is. */
+static bool solving(struct instance *it, const char *call)
+{
+    return it != NULL && it->solves ? sound(it) : it != NULL && instance_absent(it, call);
+}
+
+bool instance_enter_continuous(struct instance *it)
+{
+    static const char *const CALL = "fmi3EnterContinuousTimeMode";
+    if (!solving(it, CALL) || !settle(it, CALL)) return false;
+    it->now.phase = CONTINUOUS;
+    return true;
+}
+
+bool instance_set_time(struct instance *it, double time)
+{
+    if (!solving(it, "fmi3SetTime") || !require(it, CONTINUOUS, "fmi3SetTime")) return false;
+    if (!isfinite(time)) return refuse(it, TIME_OUT_OF_RANGE, time, 0.0);
+    it->now.time = it->now.solver.time = time;
+    return true;
+}
+
+bool instance_complete_step(struct instance *it)
+{
+    static const char *const CALL = "fmi3CompletedIntegratorStep";
+    return solving(it, CALL) && require(it, CONTINUOUS, CALL);
+}
+
+/* Check an array of a call of model exchange, and let inputs that moved act. */
+static bool array(struct instance *it, const char *call, const void *values, size_t count,
+                  size_t expected)
+{
+    char reason[MESSAGE_SIZE];
+    if (!solving(it, call) || !instance_given(it, call, "the list of values", values))
+        return false;
+    if (count != expected) {
+        snprintf(reason, sizeof reason, "%s: there are %lu values, not %lu", call,
+                 (unsigned long)expected, (unsigned long)count);
+        return instance_fail(it, reason);
+    }
+    if (!it->now.settled && !start_block(it)) return false;
+    const enum refusal refused = adopt(it);
+    return refused == ACCEPTED || refuse(it, refused, 0.0, 0.0);
+}
+
+bool instance_get_states(struct instance *it, const char *call, double values[], size_t count)
+{
+    if (!array(it, call, values, count, STATES)) return false;
+    const struct continuous equations = equations_of(it);
+    memcpy(values, equations.states, sizeof equations.states);
+    return true;
+}
+
+bool instance_set_states(struct instance *it, const char *call, const double values[],
+                         size_t count)
+{
+    if (!array(it, call, values, count, STATES) || !require(it, CONTINUOUS, call)) return false;
+    for (int n = 0; n < STATES; n++)
+        if (!isfinite(values[n])) return refuse(it, NOT_FINITE, 0.0, 0.0);
+    memcpy(it->now.solver.states, values, sizeof it->now.solver.states);
+    return true;
+}
+
+bool instance_get_rates(struct instance *it, const char *call, double values[], size_t count)
+{
+    if (!array(it, call, values, count, STATES)) return false;
+    const struct continuous equations = equations_of(it);
+    continuous_rates(&equations, &it->now.block, values);
+    return true;
+}
+
+bool instance_get_nominals(struct instance *it, const char *call, double values[], size_t count)
+{
+    if (!array(it, call, values, count, STATES)) return false;
+    continuous_nominals(&it->now.block, values);
+    return true;
+}
+
+bool instance_get_indicators(struct instance *it, const char *call, double values[],
+                             size_t count)
+{
+    if (!array(it, call, values, count, INDICATORS)) return false;
+    const struct continuous equations = equations_of(it);
+    continuous_indicators(&equations, &it->now.block, values);
+    return true;
 }
 
 /* States. */
@@ -576,10 +726,11 @@ bool instance_set_state(struct instance *it, const void *handle)
 {
     if (it == NULL || !held(it, "set", handle)) return false;
     const struct situation *kept = &((const struct state *)handle)->kept;
-    const bool runs = STEPPING <= kept->phase && kept->phase <= EVENT_MODE;
-    if (runs && kept->holds != it->has_events)
+    const bool runs = STEPPING <= kept->phase && kept->phase <= CONTINUOUS;
+    if (runs && (kept->holds != it->has_events || kept->solved != it->solves))
         return instance_fail(it, "the state to set is of an instance that was made with event mode "
-                                 "where this one was not, or the other way round");
+                                 "or for model exchange where this one was not, or the other way "
+                                 "round");
     it->now = *kept;
     it->ready = it->failed = false;
     return true;

@@ -51,6 +51,7 @@ struct instance {
     int warned;                       /* count of the remarks of the law that were told last */
     bool has_events;                  /* whether event mode is used */
     bool stops;                       /* whether a step may end early */
+    bool solves;                      /* whether it is one for model exchange */
     bool logs_warnings, logs_errors;  /* which messages the simulator wants */
     struct remark warned_of[MOST_REMARKS];
     const struct version *version;
@@ -112,6 +113,18 @@ enum status instance_step_to_event(struct instance *it, double time, double step
 bool instance_enter_event_mode(struct instance *it);
 bool instance_update(struct instance *it, double *next_event);
 bool instance_enter_step_mode(struct instance *it);
+
+/* Model exchange. The arrays are of STATES and INDICATORS values. */
+bool instance_enter_continuous(struct instance *it);
+bool instance_set_time(struct instance *it, double time);
+bool instance_complete_step(struct instance *it);
+bool instance_get_states(struct instance *it, const char *call, double values[], size_t count);
+bool instance_set_states(struct instance *it, const char *call, const double values[],
+                         size_t count);
+bool instance_get_rates(struct instance *it, const char *call, double values[], size_t count);
+bool instance_get_nominals(struct instance *it, const char *call, double values[], size_t count);
+bool instance_get_indicators(struct instance *it, const char *call, double values[],
+                             size_t count);
 
 /* Get values: instance_begin_get, then instance_get of each. `count` references came with `values`,
  * an array of `value_count`. */

@@ -2,11 +2,20 @@
 #ifndef STICKSLIP_SITUATION_H
 #define STICKSLIP_SITUATION_H
 
-#include "block.h"
+#include "continuous.h"
 
 #include <stdbool.h>
 
-enum phase { INSTANTIATED, INITIALIZATION, STEPPING, EVENT_DUE, EVENT_MODE, TERMINATED, PHASES };
+enum phase {
+    INSTANTIATED,
+    INITIALIZATION,
+    STEPPING,
+    EVENT_DUE,
+    EVENT_MODE,
+    CONTINUOUS,
+    TERMINATED,
+    PHASES
+};
 
 struct situation {
     struct block block;
@@ -16,6 +25,8 @@ struct situation {
     bool settled; /* whether the block was started from `values` */
     bool holds;   /* whether discrete outputs are held from event mode to event mode */
     double held[DISCRETE]; /* those outputs, 0 where they are not held */
+    bool solved; /* whether a solver of the simulator's moves the block, from its start on */
+    struct continuous solver; /* zeros where none does */
 };
 
 #endif

@@ -171,7 +171,8 @@ class Master:
         if not self._errs():
             return references
         count = len(self.rows)
-        wrong = self.chance.choice([count, count + 1, 2**31, 2**32 - 1, *range(count)])
+        # Behind the time there are derivatives and indicators.
+        wrong = self.chance.choice([count, count + 9, 2**31, 2**32 - 1, *range(count)])
         at = self.chance.randint(0, len(references))
         return [*references[:at], wrong, *references[at:]]
 

@@ -48,6 +48,12 @@ static enum refusal coulomb_under(struct friction *made, const struct settings *
     return refused;
 }
 
+static double coulomb_force(const struct friction *it, double speed)
+{
+    (void)speed;
+    return it->kinetic;
+}
+
 static enum refusal coulomb_make_slip(const struct friction *it, int mode, double z, double x_dot,
                                       double net, struct arc *made)
 {
@@ -90,6 +96,7 @@ const struct law LAW = {
     .own_count = 0,
     .under = coulomb_under,
     .hold = sticking_hold,
+    .force = coulomb_force,
     .begin = sticking_begin,
     .after = sticking_after,
     .arc = sticking_arc,

@@ -75,6 +75,14 @@ static enum refusal stribeck_under(struct friction *made, const struct settings 
     return refused;
 }
 
+static double stribeck_force(const struct friction *it, double speed)
+{
+    const struct band *band = it->of.stribeck.curve.bands;
+    if (!is_curve(&it->settings)) return smooth_friction(&it->of.stribeck.smooth, speed);
+    while (speed > band->high) band++;
+    return it->kinetic + (band->rise + band->slope * speed);
+}
+
 static enum refusal stribeck_slip(const struct friction *it, int mode, double z, double x_dot,
                                   double net, struct arc *made)
 {
@@ -131,6 +139,7 @@ const struct arc_functions *const ARCS[ARC_TAGS] = {
 const struct law LAW = {
     .under = stribeck_under,
     .hold = sticking_hold,
+    .force = stribeck_force,
     .begin = sticking_begin,
     .after = stribeck_after,
     .arc = sticking_arc,

@@ -1,0 +1,82 @@
+"""The native FMU of FMI 3.0 under a solver of the importer's."""
+
+import random
+from functools import cache
+from typing import Any
+
+import fmpy
+import numpy as np
+import pytest
+
+from stickslip_ref import Parameters, critical_velocity
+from tests.conftest import Sized, built
+from tests.driver import loaded
+from tests.needs import needs
+
+pytestmark = needs("cc")
+
+LAWS = ["coulomb", "stribeck"]
+INPUTS = [(name, float) for name in ("time", "v", "load", "F_ext")]
+
+
+@cache
+def opened(law: str) -> tuple[str, Any]:
+    folder = fmpy.extract(str(built("native-3", law)))
+    return folder, fmpy.read_model_description(folder)
+
+
+def both(law: str, tolerance: float, **given: Any) -> tuple[Any, Any]:
+    """Return a run by steps, and one under CVode at the same times."""
+    folder, description = opened(law)
+    given |= {"output": ["x", "z", "n_slips", "T"], "model_description": description}
+    stepped = fmpy.simulate_fmu(folder, fmi_type="CoSimulation", **given)
+    more = {"fmi_type": "ModelExchange", "relative_tolerance": tolerance, "record_events": False}
+    return stepped, fmpy.simulate_fmu(folder, **given, **more)
+
+
+@pytest.mark.parametrize("tolerance", [1e-4, 1e-6, 1e-8, 1e-10])
+def test_no_slip_of_the_cycle_is_lost(tolerance: float) -> None:
+    stepped, solved = both("coulomb", tolerance, stop_time=10.0, output_interval=0.01)
+    assert solved["n_slips"][-1] == stepped["n_slips"][-1] == 31
+    assert np.abs(solved["x"] - stepped["x"]).max() < 100.0 * tolerance * stepped["x"].max()
+    assert solved["T"][-1] == pytest.approx(stepped["T"][-1], rel=100.0 * tolerance)
+
+
+@pytest.mark.parametrize("below", [1e-3, 1e-5, 1e-7, 1e-9, -1e-9, -1e-3])
+def test_no_cycle_is_lost_near_the_critical_velocity(below: float) -> None:
+    (cycle,) = critical_velocity(Parameters(c=4.0)).cycle
+    start = {"c": 4.0, "v": cycle.high * (1.0 - below)}
+    stepped, solved = both("coulomb", 1e-6, stop_time=5.0, output_interval=0.1, start_values=start)
+    assert solved["n_slips"].tolist() == stepped["n_slips"].tolist()
+    assert (stepped["n_slips"][-1] > 20) == (below > 0.0)
+
+
+@pytest.mark.parametrize("law", LAWS)
+def test_a_solver_finds_the_motion_of_random_settings_with_steps_of_the_inputs(
+    law: str, sized: Sized
+) -> None:
+    for seed in range(sized(100)):
+        chance = random.Random(seed)
+        start = {"k": chance.choice([200.0, 1e3, 5e3]), "c": chance.choice([0.0, 0.0, 2.0, 8.0])}
+        start |= {"mu_s": chance.uniform(0.3, 0.6), "mu_k": chance.uniform(0.05, 0.3)}
+        start["z_start"] = chance.choice([0.0, 0.0, 0.01, -0.01])
+        times = sorted(round(chance.uniform(0.2, 3.8), 2) for _ in range(chance.choice([0, 1, 3])))
+        held = [(chance.uniform(0.005, 0.2), 0.0, 0.0)]
+        held += [(chance.uniform(-0.05, 0.2), chance.uniform(-1, 4), 0.5) for _ in times]
+        points = [(t, *held[n + i]) for n, t in enumerate(times) for i in (0, 1)]
+        signals = np.array([(0.0, *held[0]), *points, (9.0, *held[-1])], INPUTS)
+        given = {"stop_time": 4.0, "output_interval": 0.01, "start_values": start}
+        stepped, solved = both(law, 1e-8, input=signals, **given)
+        assert solved["n_slips"].tolist() == stepped["n_slips"].tolist(), seed
+        scale = np.abs(stepped["x"]).max() + np.abs(stepped["z"]).max()
+        assert np.abs(solved["x"] - stepped["x"]).max() < 2e-6 * scale, seed
+
+
+@pytest.mark.parametrize("law", LAWS)
+def test_the_acceleration_is_that_of_the_forces(law: str) -> None:
+    instance = loaded(built("native-3", law)).started(v=0.3, c=1.5, m=2.0, F_ext=0.4)
+    for _ in range(50):
+        instance.step(0.02)
+        rate, z_dot, x_dot, *forces = instance.get("x_ddot", "z_dot", "x_dot", "F", "F_friction")
+        assert rate == pytest.approx((sum(forces) + 0.4) / 2.0, abs=1e-11)
+        assert z_dot == 0.3 - x_dot
