@@ -21,11 +21,14 @@ from tests.fmu.lives.player import play
 from tests.native.bits import comparisons
 from tests.native.compiling import run, with_library, written
 from tests.native.core import Core, sources
+from tests.native.eventful import differences
+from tests.native.test_native_model_exchange import of_random_settings
 
 LEAST = 95.0
 """Part of the lines and of the branches of block and friction law that must be run [%]."""
 SEQUENCES = {"coulomb": 3_000, "stribeck": 2_000}
 LIVES = 1_000
+EVENTFUL = 20
 
 _FLAGS = ("-std=c99", "-O0", "--coverage", "-ffp-contract=off", "-fPIC")
 _LINK = ("--coverage", "-shared", "-Wl,-Bsymbolic")
@@ -78,6 +81,16 @@ def try_fmu(folder: Path, law: str) -> None:
     loaded(fmu).library.write_counters()
 
 
+def try_events(folder: Path, law: str) -> None:
+    library = counting(folder, sources_of(3, law))
+    sound = build(folder / "sound", this_machine=True, law=law, face=3)
+    fmu = with_library(sound, library, folder / "counting.fmu")
+    for seed in range(EVENTFUL):
+        differences(str(fmu), seed)
+        of_random_settings(fmu, seed)
+    loaded(fmu).library.write_counters()
+
+
 def counted(folder: Path, found: dict[str, Counts]) -> None:
     for data in sorted(folder.glob("*.gcda")):
         run("gcov", "--json-format", "--branch-probabilities", data.name, cwd=folder)
@@ -98,6 +111,7 @@ def run_all() -> dict[str, Counts]:
         for law in SEQUENCES:
             try_core(folder / f"core-{law}", law)
             try_fmu(folder / f"fmu-{law}", law)
+            try_events(folder / f"events-{law}", law)
         for place in folder.iterdir():
             counted(place, together)
     return together
