@@ -114,8 +114,7 @@ export function makeFriction(page, curves, starts, reader) {
     const regime = regimes.find(({ high }) => p.v <= high) ?? regimes[0];
     const words = `${quantity(p.v, "velocity")}, ${nameOfRegime(regime)}`;
     tell(speed, p.v, span.low, span.high, words);
-    const calms = motion.slip.settles?.() ?? true;
-    setText(byId("friction-said"), regimesInWords(regimes, p.v, calms));
+    setText(byId("friction-said"), regimesInWords(regimes, p.v, motion.slip.settles()));
 
     /** @type {(step: number) => void} the bar, and again with all detail once nothing moves */
     function lay(step) {

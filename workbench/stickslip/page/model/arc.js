@@ -1,7 +1,7 @@
 /** An arc of slip on one line of a friction curve, and where its speed leaves that line: docs/theory.md (3), (5). */
 
+import { responses } from "./oscillator.js";
 import { risingZero } from "./root.js";
-import { responses } from "./slip.js";
 
 /** A swing that has grown by exp(600) has left every line. */
 const MOST_GROWTH = 600;

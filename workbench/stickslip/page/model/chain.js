@@ -30,7 +30,7 @@ export function chainOf(contact, v) {
   const chain = {
     arcs: [],
     rests: false,
-    t_slip: Infinity,
+    t_slip: NaN,
     spring_drop: NaN,
     peak: NaN,
     peakAt: NaN,

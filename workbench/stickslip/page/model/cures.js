@@ -1,12 +1,11 @@
 /**
  * What suppresses the cycle: each parameter alone, to halve the jump or to end the cycle,
- * docs/theory.md (6) to (14). In plain units of v and w a setting is lambda, zeta and the share of
- * the weight in the normal force.
+ * docs/theory.md (6) to (14).
  */
 
-import { endAlong, jumpAlong, plainDepth } from "./along.js";
+import { marginOf, endAlong, jumpOn, sizeAlong } from "./along.js";
 import { criticalVelocity, logCriticalLambda } from "./critical.js";
-import { grazingPeriod, plainPeriod, steadyCycle } from "./cycle.js";
+import { limitJump, steadyCycle } from "./cycle.js";
 import { nuOf, numbersOf } from "./friction.js";
 
 /** Steps of the search for the mass at which v_c is smallest; it gains a digit in two of them. */
@@ -16,45 +15,28 @@ const NEAR_LIMIT = 0.02;
 
 /** @type {(p: Setting) => Cures} what would halve the jump of a setting, and end its cycle */
 export function curesOf(p) {
-  const { N, zeta, lambda_ } = numbersOf(p);
+  const { N, w, zeta, lambda_ } = numbersOf(p);
   const { exists, delta_x } = steadyCycle(p);
   const v_c = criticalVelocity(p);
   if (!exists) return { jump: NaN, v_c, cures: [] };
   const damped = zeta > 0;
-  const whole = plainPeriod(lambda_, zeta);
   const weight = p.m * p.g;
-  const [part, rest] = [weight / N, p.load / N];
   // A lift leaves no normal force at a mass above 0.
-  const lightest = Math.max(-rest / part, 0);
+  const lightest = Math.max(-p.load / weight, 0);
 
-  // What changes by the factor exp(log), jumps in units of the one now.
-  /** @type {Way} */
-  const stiffness = (log) => {
-    const root = Math.exp(-0.5 * log);
-    return [lambda_ * root, zeta * root, root / whole];
-  };
-  /** @type {Way} */
-  const speed = (log) => [lambda_ / Math.exp(log), zeta, Math.exp(log) / whole];
-  /** @type {Way} */
-  const gap = (log) => [lambda_ * Math.exp(log), zeta, 1 / whole];
-  /** @type {Way} */
-  const mass = (log) => {
-    const root = Math.exp(0.5 * log);
-    const force = Math.max(part * root * root + rest, 0);
-    return [(lambda_ * force) / root, zeta / root, root / whole];
-  };
-  /** @type {Way} of a damping ratio, as there may be none now */
-  const damping = (log) => [lambda_, Math.exp(log), 1 / whole];
-  /** @type {(way: Way, log: number | null) => number} the jump where the cycle ends, over that now */
-  const leastAt = (way, log) => {
-    if (log === null) return 1;
-    const [lambda, ratio, unit] = way(log);
-    return unit * grazingPeriod(lambda, ratio);
-  };
+  /** @type {(parameter: Lever, value?: (factor: number) => number) => Way} what it changes by a factor */
+  const by =
+    (parameter, value = (factor) => p[parameter] * factor) =>
+    (log) => ({ ...p, [parameter]: value(Math.exp(log)) });
+  const stiffness = by("k");
+  const mass = by("m");
+  const gap = by("mu_k", (factor) => p.mu_s - (p.mu_s - p.mu_k) * factor);
+  // Of a damping ratio, as there may be none now.
+  const damping = by("c", (ratio) => ratio * (damped ? p.c / zeta : 2 * p.m * w));
 
   /**
    * A cure by its way: `end` is the logarithm at which the cycle ends, if it does; `last` that of the
-   * range, without one it goes on downwards; `least` the jump there.
+   * range, without one it goes on downwards; `least` the jump there over that now.
    *
    * @param {CureName} name
    * @param {Lever} parameter
@@ -67,28 +49,21 @@ export function curesOf(p) {
     parameter,
     way,
     end,
-    least = leastAt(way, end),
+    least = end === null ? 1 : limitJump(way(end)) / delta_x,
     last = end ?? NaN,
-    value = (/** @type {number} */ factor) => p[parameter] * factor,
   ) {
-    const halve = least > 0.5 ? null : jumpAlong(way, 0.5, least, 0, last, -2 * Math.LN2);
-    const [at, limit] = [halve, end].map((log) => (log === null ? null : value(Math.exp(log))));
+    const length = jumpOn(way, least * delta_x);
+    const halve = least > 0.5 ? null : sizeAlong(length, 0.5 * delta_x, 0, last, -2 * Math.LN2);
+    const [at, limit] = [halve, end].map((log) => (log === null ? null : way(log)[parameter]));
     return { name, parameter, now: p[parameter], halve: at, end: limit, least };
   }
 
   function stiffer() {
+    // Without damping four times the stiffness leaves a half at most.
+    if (!damped) return cure("stiffer", "k", stiffness, null, 0, 2 * Math.LN2);
     // Lambda and zeta fall as one; lambda_c is above sqrt(4 pi zeta).
     const far = Math.max(2 * Math.log((lambda_ * lambda_) / (4 * Math.PI * zeta)), 0);
-    const end = damped ? endAlong(stiffness, 0, far) : null;
-    // Without damping four times the stiffness leaves a half at most.
-    return damped
-      ? cure("stiffer", "k", stiffness, end)
-      : cure("stiffer", "k", stiffness, null, 0, 2 * Math.LN2);
-  }
-
-  function softer() {
-    const end = damped ? endAlong(stiffness, 0, 2 * Math.log(zeta)) : null;
-    return cure("softer", "k", stiffness, end, 1);
+    return cure("stiffer", "k", stiffness, endAlong(stiffness, 0, far));
   }
 
   function moreDamping() {
@@ -98,35 +73,33 @@ export function curesOf(p) {
     const [inside, outside] = [most / 2.001, most / 0.999].map((eta) =>
       Math.log(eta / Math.hypot(1, eta)),
     );
-    const end = lambda_ > 0 ? endAlong(damping, inside, outside) : -Infinity;
-    const unit = damped ? p.c / zeta : 2 * Math.sqrt(p.k * p.m);
-    return cure("damping", "c", damping, end, leastAt(damping, end), end, (ratio) => unit * ratio);
+    return cure("damping", "c", damping, lambda_ > 0 ? endAlong(damping, inside, outside) : -Infinity);
   }
 
   function slower() {
     const decay = damped ? Math.exp((-Math.PI * zeta) / nuOf(zeta)) : 1;
-    return cure("slower", "v", speed, null, (lambda_ * (1 + decay)) / whole);
+    return cure("slower", "v", by("v"), null, ((lambda_ * p.v) / w / delta_x) * (1 + decay));
   }
 
-  /** @type {(name: CureName, parameter: Lever, value: (factor: number) => number) => Cure} */
-  function smallerGap(name, parameter, value) {
+  /** @type {(name: CureName, parameter: Lever, way: Way) => Cure} */
+  function smallerGap(name, parameter, way) {
     const end = damped && lambda_ > 0 ? logCriticalLambda(zeta) - Math.log(lambda_) : null;
     // Without damping an end to the gap leaves a swing that touches rest.
-    const least = damped || lambda_ === 0 ? leastAt(gap, end) : (2 * Math.PI) / whole;
-    return cure(name, parameter, gap, end, least, end ?? NaN, value);
+    const swing = damped || lambda_ === 0 ? undefined : (2 * Math.PI * p.v) / w / delta_x;
+    return cure(name, parameter, way, end, swing);
   }
 
   function lighter() {
     if (!damped) {
       // Towards m = 0 the slip takes no time; without normal force it is a swing.
-      const relief = 2 * lambda_ * Math.max(rest, 0);
-      const least = (relief + 2 * Math.PI * Math.sqrt(lightest)) / whole;
+      const relief = (2 * (p.mu_s - p.mu_k) * Math.max(p.load, 0)) / p.k;
+      const least = (relief + (2 * Math.PI * p.v * Math.sqrt(lightest)) / w) / delta_x;
       return cure("lighter", "m", mass, null, least, lightest > 0 ? Math.log(lightest) : NaN);
     }
     /** @type {(ratio: number) => number} ln of the part of the mass that has a damping ratio */
     const at = (ratio) => 2 * Math.log(zeta / ratio);
-    const dip = dipOf(zeta, rest / part);
-    const isShort = dip > zeta && plainDepth(mass(at(dip))[0], dip) < 0;
+    const dip = dipOf(zeta, p.load / weight);
+    const isShort = dip > zeta && marginOf(mass(at(dip))) < 0;
     const end = isShort
       ? endAlong(mass, 0, at(dip))
       : endAlong(mass, at(Math.max(zeta, dip)), Math.max(at(1), Math.log(lightest)));
@@ -138,12 +111,12 @@ export function curesOf(p) {
     v_c,
     cures: [
       stiffer(),
-      softer(),
+      cure("softer", "k", stiffness, damped ? endAlong(stiffness, 0, 2 * Math.log(zeta)) : null, 1),
       moreDamping(),
       slower(),
-      { ...cure("faster", "v", speed, null, 1), end: damped ? v_c : null },
-      smallerGap("gap", "mu_k", (factor) => p.mu_s - (p.mu_s - p.mu_k) * factor),
-      smallerGap("normal force", "load", (factor) => N * factor - weight),
+      { ...cure("faster", "v", by("v"), null, 1), end: damped ? v_c : null },
+      smallerGap("gap", "mu_k", gap),
+      smallerGap("normal force", "load", by("load", (factor) => N * factor - weight)),
       lighter(),
     ],
   };

@@ -15,25 +15,23 @@ import { risingZero } from "./root.js";
 const NO_SLIP = { duration: NaN, relief: NaN, peak: NaN };
 
 /** @type {(t_stick: number, t_slip: number) => Period} */
-export function periodOf(t_stick, t_slip) {
+function periodOf(t_stick, t_slip) {
   const T = t_stick + t_slip;
   return { t_stick, t_slip, T, f: 1 / T, share: t_stick / T };
 }
 
+/** @type {(p: Setting, t_stick: number, t_slip: number, x_dot_peak: number) => Cycle} */
+export function cycleOf(p, t_stick, t_slip, x_dot_peak) {
+  const period = periodOf(t_stick, t_slip);
+  const ofSlip = { spring_drop: t_stick * p.v, delta_x: p.v * period.T, x_dot_peak };
+  return { ...numbersOf(p), ...period, ...ofSlip, exists: !Number.isNaN(t_slip) };
+}
+
 /** @type {(p: Setting) => Cycle} the exact steady cycle */
 export function steadyCycle(p) {
-  const numbers = numbersOf(p);
-  const { lambda_, zeta, w } = numbers;
+  const { lambda_, zeta, w } = numbersOf(p);
   const { duration, relief, peak } = plainSlip(lambda_, zeta);
-  const period = periodOf(relief / w, duration / w);
-  return {
-    ...numbers,
-    ...period,
-    exists: !Number.isNaN(duration),
-    spring_drop: period.t_stick * p.v,
-    delta_x: p.v * period.T,
-    x_dot_peak: p.v * peak,
-  };
+  return cycleOf(p, relief / w, duration / w, p.v * peak);
 }
 
 /** @type {(p: Setting) => Simplified} as designers write it, without damping: docs/theory.md (12) */
@@ -43,22 +41,15 @@ export function simplified(p) {
 }
 
 /**
- * Period in units of 1/w, which is the jump in units of v/w; NaN without a cycle.
- * @type {(lambda_: number, zeta: number) => number}
- */
-export function plainPeriod(lambda_, zeta) {
-  const { duration, relief } = plainSlip(lambda_, zeta);
-  return duration + relief;
-}
-
-/**
- * The period at the limit of the cycle, in units of 1/w: the slip lasts up to the minimum of the
+ * The jump [m] of a setting at the limit of the cycle: the slip lasts up to the minimum of the
  * velocity, and the spring relief is Delta.
- * @type {(lambda_: number, zeta: number) => number}
+ * @type {(p: Setting) => number}
  */
-export function grazingPeriod(lambda_, zeta) {
+export function limitJump(p) {
+  const { lambda_, zeta, w } = numbersOf(p);
   const nu = nuOf(zeta);
-  return lambda_ + (2 * Math.PI - Math.atan2(nu * lambda_, 1 - zeta * lambda_)) / nu;
+  const angle = 2 * Math.PI - Math.atan2(nu * lambda_, 1 - zeta * lambda_);
+  return (p.v / w) * (lambda_ + angle / nu);
 }
 
 /**

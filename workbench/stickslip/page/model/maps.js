@@ -1,10 +1,9 @@
 /** Curves over speed and stiffness: the jump, the critical velocity, lines of equal jump. */
 
-import { jumpAlong } from "./along.js";
-import { criticalVelocity, logCriticalLambda } from "./critical.js";
-import { grazingPeriod, plainPeriod } from "./cycle.js";
+import { jumpOn, sizeAlong } from "./along.js";
+import { criticalVelocity } from "./critical.js";
+import { limitJump, steadyCycle } from "./cycle.js";
 import { nuOf, numbersOf } from "./friction.js";
-import { zeroBetween } from "./root.js";
 
 /** @typedef {{k: number, v: number}} PlanePoint stiffness [N/m], speed [m/s] */
 
@@ -21,14 +20,12 @@ const STEEPEST = 12;
  * @type {(p: Setting, low: number, high: number) => {v: number, jump: number}[]}
  */
 export function jumpOverSpeed(p, low, high) {
-  const { Delta, w, zeta } = numbersOf(p);
   const v_c = criticalVelocity(p);
   if (!(v_c > low)) return [];
   return spaced(low, Math.min(high, v_c), POINTS).map((v) => {
-    const lambda_ = (w * Delta) / v;
-    const period = plainPeriod(lambda_, zeta);
+    const { exists, delta_x } = steadyCycle({ ...p, v });
     // At the very end rounding decides whether there is a cycle.
-    return { v, jump: (v / w) * (Number.isNaN(period) ? grazingPeriod(lambda_, zeta) : period) };
+    return { v, jump: exists ? delta_x : limitJump({ ...p, v }) };
   });
 }
 
@@ -74,16 +71,12 @@ export function equalJump(p, jump, low, high) {
   if (!(last > low)) return [];
   return spaced(low, last, LINE_POINTS).map((v) => {
     if (v === end.v) return end;
-    /** @type {Way} */
-    const way = (log) => {
-      const { lambda_, zeta, w } = numbersOf({ ...p, k: Math.exp(log), v });
-      return [lambda_, zeta, v / w];
-    };
     // A slip takes half a swing at least.
     if (!damped) softest = Math.max(softest, p.m * ((Math.PI * v) / jump) ** 2);
-    const to = damped ? Math.log(end.k) : NaN;
     // To the left of the line the speed may be above the critical one.
-    softest = Math.exp(jumpAlong(way, jump, Infinity, Math.log(softest), to));
+    const length = jumpOn((log) => ({ ...p, k: Math.exp(log), v }), Infinity);
+    const to = damped ? Math.log(end.k) : NaN;
+    softest = Math.exp(sizeAlong(length, jump, Math.log(softest), to));
     return { k: softest, v };
   });
 }
@@ -94,17 +87,13 @@ export function equalJump(p, jump, low, high) {
  * @type {(p: Setting, jump: number, softest: number) => PlanePoint}
  */
 function endOfLine(p, jump, softest) {
-  const excess = (/** @type {number} */ log) => {
-    const { Delta, w, zeta } = numbersOf({ ...p, k: Math.exp(log) });
-    const logLambda = logCriticalLambda(zeta);
-    const v = w * Delta * Math.exp(-logLambda);
-    return Math.log(((v / w) * grazingPeriod(Math.exp(logLambda), zeta)) / jump);
+  /** @type {Way} */
+  const way = (log) => {
+    const k = Math.exp(log);
+    return { ...p, k, v: criticalVelocity({ ...p, k }) };
   };
-  const low = Math.log(softest);
-  let high = low + 1;
-  while (excess(high) > 0) high += 1;
-  const k = Math.exp(zeroBetween(excess, low, high));
-  return { k, v: criticalVelocity({ ...p, k }) };
+  const { k, v } = way(sizeAlong((log) => limitJump(way(log)), jump, Math.log(softest), NaN));
+  return { k, v };
 }
 
 /** @type {(a: number, b: number, count: number) => number[]} from a to b in equal ratios */

@@ -6,24 +6,20 @@
  */
 
 import { coefficientAt, isFlat } from "./curve.js";
-import { slipOnCurve } from "./curveslip.js";
-import { steadyCycle } from "./cycle.js";
 import { numbersOf } from "./friction.js";
-import { slipFromRest } from "./slip.js";
+import { slipOf } from "./slip.js";
 import { twofoldOver, twofoldPlus, twofoldTimes, twoProduct, twoSum } from "./twofold.js";
 
 /** @type {(p: Setting, curve?: Curve | null) => Motion} a curve takes the place of mu_k */
 export function motionOf(p, curve = null) {
   const used = curve ? { ...p, mu_k: curve[0][1] } : p;
-  const isConstant = !curve || isFlat(curve);
+  /** @type {Curve} */
+  const points = curve && !isFlat(curve) ? curve : [[0, used.mu_k]];
   const numbers = numbersOf(used);
-  const { cycle, slip } = isConstant
-    ? { cycle: steadyCycle(used), slip: slipFromRest(used) }
-    : slipOnCurve(p, curve);
-  const date = datesOf(used, cycle, isConstant && cycle.zeta === 0);
+  const { cycle, slip } = slipOf(used, points);
+  const date = datesOf(used, cycle, points.length === 1 && cycle.zeta === 0);
   /** @type {(speed: number) => number} kinetic friction [N] */
-  const kinetic = (speed) =>
-    isConstant ? numbers.F_k : coefficientAt(curve, Math.abs(speed)) * numbers.N;
+  const kinetic = (speed) => coefficientAt(points, Math.abs(speed)) * numbers.N;
   const z_s = numbers.F_s / p.k;
 
   /** @type {(n: number) => number} the time [s] of the break-away after n slips */

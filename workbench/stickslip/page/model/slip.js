@@ -1,85 +1,118 @@
-/** One slip from rest, as a function of the time since break-away: docs/theory.md (3). */
+/** The steady cycle of a setting, and its slip as a function of the time since break-away. */
 
-import { nuOf, numbersOf } from "./friction.js";
+import { arcState, courseOf } from "./arc.js";
+import { chainOf, contactOf, follow } from "./chain.js";
+import { cycleOf, steadyCycle } from "./cycle.js";
+import { risingZero } from "./root.js";
 
-/**
- * The responses of an oscillator to a unit impulse, tau [s] after it: K, the impulse response [s],
- * and its slope [1]; G, w^2 times the integral of K [1]; H, the integral of G [s].
- * @type {(oscillator: Oscillator, tau: number) => {K: number, slope: number, G: number, H: number}}
- */
-export function responses({ w, a, b, fast, slow, overdamped }, tau) {
-  if (!overdamped) {
-    const half = 0.5 * b * tau;
-    const sine = Math.sin(half);
-    const decay = Math.exp(-a * tau);
-    const K = (2 * decay * sine * Math.cos(half)) / b;
-    // 1 - cos from the half angle: G is small near a whole turn, where a slip may graze standstill.
-    const fallen = 2 * decay * sine * sine;
-    const G = fallen - Math.expm1(-a * tau) - a * K;
-    return { K, slope: decay - fallen - a * K, G, H: tau - K - ((2 * a) / (w * w)) * G };
-  }
-  const apart = fast - slow;
-  const rise = apart > 0 ? -Math.expm1(-apart * tau) / apart : tau;
-  const K = Math.exp(-slow * tau) * rise;
-  const slope = Math.exp(-fast * tau) - slow * K;
-  const G = -Math.expm1(-slow * tau) - slow * K;
-  // The integral of K. Each rate's lag is its own closed form; so far apart rates cost no digits.
-  const area = (-Math.expm1(-fast * tau) / fast - K) / slow;
-  return { K, slope, G, H: tau + Math.expm1(-slow * tau) / slow - slow * area };
-}
+/** A turn that repeats the last one to this part repeats it for ever. */
+const SAME_TURN = 1e-13;
+/** After so many arcs a slip without end repeats its last turn. */
+const MOST_FOLLOWED = 3000;
 
 /**
- * An oscillator by its natural frequency w [rad/s] and its rate of decay a [1/s], below 0 growing.
- * @type {(w: number, a: number) => Oscillator}
+ * Of a setting whose mu_k is that of the curve's first point; the slip may be without end. A curve of
+ * one point is constant friction, whose cycle has a closed form.
+ * @type {(p: Setting, curve: Curve) => {cycle: Cycle, slip: Slip}}
  */
-export function oscillatorOf(w, a) {
-  const overdamped = !(Math.abs(a) < w);
-  const b = Math.sqrt(Math.abs((w - a) * (w + a)));
-  const steep = a < 0 ? a - b : a + b;
-  const rates = overdamped ? [steep, (w * w) / steep] : [a, a];
-  const [fast, slow] = a < 0 ? rates.reverse() : rates;
-  return { w, a, b, fast, slow, overdamped };
-}
-
-/** @type {(p: Setting) => Slip} */
-export function slipFromRest(p) {
-  const { Delta, w, zeta, lambda_ } = numbersOf(p);
-  const oscillator = oscillatorOf(w, zeta * w);
-  const { fast, slow, overdamped } = oscillator;
-  // Distance of the spring from where it would come to rest.
-  const swing = Delta - (p.c * p.v) / p.k;
-  /** @type {Slip["at"]} */
-  const at = (tau) => {
-    const { K, slope, G, H } = responses(oscillator, tau);
-    return {
-      displacement: p.v * H + Delta * G,
-      x_dot: p.v * G + w * w * Delta * K,
-      x_ddot: w * w * (Delta * slope + p.v * K),
-      growth: p.v * K - swing * G,
-    };
+export function slipOf(p, curve) {
+  const contact = contactOf(p, curve);
+  const { v } = p;
+  const { rests, spring_drop, peak, peakAt, t_slip, arcs } = chainOf(contact, v);
+  const isConstant = curve.length === 1;
+  const playing = played(contact, isConstant ? arcs.slice(0, 1) : arcs, v, isConstant || rests);
+  // The spring is longest when the mass first has the speed of the pull.
+  /** @type {(tau: number) => [number, number]} */
+  const lead = (tau) => {
+    const { x_dot, x_ddot } = playing.at(tau);
+    return [x_dot - v, x_ddot];
   };
-  const longest = timeOfPull(lambda_, zeta) / w;
-  const isMaximum = Number.isFinite(longest);
+  const longest = peak > v ? risingZero(lead, 0, peakAt, 0.5 * peakAt) : NaN;
+  const here = contact.bands.find(({ high }) => v < high)?.oscillator ?? contact.bands[0].oscillator;
+  const slow = Math.max(here.slow, 0);
   return {
-    at,
-    overshoot: isMaximum ? { tau: longest, growth: at(longest).growth } : null,
-    rate: Math.max(w, fast),
-    fast,
-    slow,
-    // A swing, or where the slow decay outlasts it, three times that.
-    scale: Math.max((2 * Math.PI) / w, overdamped ? 3 / slow : 0),
+    cycle: isConstant
+      ? steadyCycle(p)
+      : cycleOf(p, spring_drop / v, t_slip, rests ? peak : NaN),
+    slip: {
+      ...playing,
+      overshoot: peak > v ? { tau: longest, growth: playing.at(longest).growth } : null,
+      rate: Math.max(...contact.bands.map(({ oscillator }) => rateOf(oscillator))),
+      slow,
+      // A swing, or where the slow decay outlasts it, three times that.
+      scale: Math.max((2 * Math.PI) / contact.w, here.overdamped && slow > 0 ? 3 / slow : 0),
+    },
   };
 }
 
+/** @type {(oscillator: Oscillator) => number} of the fastest change [rad/s] */
+function rateOf({ w, slow, fast }) {
+  return Math.max(w, Math.abs(slow), Math.abs(fast));
+}
+
 /**
- * When the mass first has the speed of the pulled end, since break-away in units of 1/w; infinite if
- * never.
- * @type {(lambda_: number, zeta: number) => number}
+ * What plays the first arcs of a slip; where they are not the whole of it, further ones are made
+ * when they are asked for, and else the last one holds on.
+ * @type {(contact: Contact, arcs: Arc[], v: number, isWhole: boolean) =>
+ *   Pick<Slip, "at" | "pieces" | "settles">}
  */
-function timeOfPull(lambda_, zeta) {
-  const lead = lambda_ - zeta;
-  if (zeta < 1) return Math.atan2(nuOf(zeta), lead) / nuOf(zeta);
-  const nu = Math.sqrt((zeta - 1) * (1 + zeta));
-  if (!(lead > nu)) return Infinity;
-  return nu > 0 ? Math.atanh(nu / lead) / nu : 1 / lead;
+function played(contact, arcs, v, isWhole) {
+  let latest = 0;
+  /** @type {{start: number, length: number} | null} the turn that is repeated, times [s] */
+  let turn = null;
+
+  /** Make another arc, if there is one. */
+  function more() {
+    const last = arcs[arcs.length - 1];
+    if (isWhole || turn || last.end === Infinity) return false;
+    const next = follow(contact, last, courseOf(last, v), v);
+    const same = SAME_TURN * (arcs.length < MOST_FOLLOWED ? Math.abs(next.x_ddot) : Infinity);
+    for (let n = arcs.length - 1; n >= 0; n--) {
+      const { start, x_dot, mode, x_ddot } = arcs[n];
+      if (x_dot !== next.x_dot || mode !== next.mode || x_ddot * next.x_ddot < 0) continue;
+      if (!(Math.abs(x_ddot - next.x_ddot) <= same)) break;
+      turn = { start, length: next.start - start };
+      return false;
+    }
+    next.end = next.start + courseOf(next, v).tau;
+    arcs.push(next);
+    return true;
+  }
+
+  /** @type {(tau: number) => {arc: Arc, shift: number}} the arc at a time, and how much later it is */
+  function find(tau) {
+    let another = true;
+    while (another && tau >= arcs[arcs.length - 1].end) another = more();
+    let shift = 0;
+    if (turn && tau >= arcs[arcs.length - 1].end) {
+      shift = Math.floor((tau - turn.start) / turn.length) * turn.length;
+    }
+    if (tau - shift < arcs[latest].start) latest = 0;
+    while (latest < arcs.length - 1 && tau - shift >= arcs[latest].end) latest += 1;
+    return { arc: arcs[latest], shift };
+  }
+
+  return {
+    at(tau) {
+      const { arc, shift } = find(tau);
+      const state = arcState(arc, v, tau - shift - arc.start);
+      return { ...state, displacement: state.displacement + v * shift, mode: arc.mode };
+    },
+    *pieces(from, to) {
+      for (let begin = from; begin < to; ) {
+        const { arc, shift } = find(begin);
+        const holds = isWhole && latest === arcs.length - 1;
+        const end = holds ? to : Math.min(arc.end + shift, to);
+        const turns = end < to && find(end).arc.x_dot === 0;
+        const { oscillator } = arc.band;
+        yield { ...oscillator, start: arc.start + shift, end, rate: rateOf(oscillator), turns };
+        // Rounding must not find the same arc again.
+        begin = Math.max(end, begin + 2 ** -51 * begin);
+      }
+    },
+    settles() {
+      while (more());
+      return !turn;
+    },
+  };
 }

@@ -60,26 +60,23 @@
  * @property {number} growth of the spring's extension [m]
  * @property {number} [mode] direction of slip, forward if none is given: 1, or -1 backward
  *
- * @typedef {object} Rates
- * @property {number} rate of the fastest change [rad/s]
- * @property {number} fast the faster rate of decay [1/s]
- * @property {number} slow the slower rate of decay [1/s]; below 0 where it grows
- *
- * @typedef {object} OfSlip the slip from rest, followed without end
+ * @typedef {object} Slip the slip from rest, followed without end
  * @property {(tau: number) => SlipState} at the state, tau [s] after the break-away
  * @property {{tau: number, growth: number} | null} overshoot when [s] the spring is longest and
  *   how much it has grown by then [m]; null where it has no maximum
+ * @property {number} rate of its fastest change [rad/s]
+ * @property {number} slow its slower rate of decay [1/s], at the speed of the pull
  * @property {number} scale duration of a swing, or three times that of the slower decay [s]
- * @property {(from: number, to: number) => Iterable<Piece>} [pieces] the arcs of a slip on a
- *   friction curve that touch a stretch of time since break-away [s]
- * @property {() => boolean} [settles] whether it ends in steady sliding; on a curve only
- * @typedef {Rates & OfSlip} Slip
+ * @property {(from: number, to: number) => Iterable<Piece>} pieces its arcs that touch a stretch of
+ *   time since break-away [s]
+ * @property {() => boolean} settles whether a slip without end ends in steady sliding
  *
- * @typedef {object} OfPiece a stretch of slip with rates of its own
+ * @typedef {object} OfPiece a stretch of slip on one line of the friction curve
  * @property {number} start time since break-away [s]
  * @property {number} end the same
+ * @property {number} rate of its fastest change [rad/s]
  * @property {boolean} turns whether the direction of slip changes at its end
- * @typedef {Rates & OfPiece} Piece
+ * @typedef {Oscillator & OfPiece} Piece
  *
  * @typedef {object} OfArc a slip on one line of a curve, with its state at the start
  * @property {Band} band
@@ -108,7 +105,7 @@
  * @typedef {object} Chain a slip from break-away, up to where its end is decided
  * @property {Arc[]} arcs
  * @property {boolean} rests whether it comes to rest
- * @property {number} t_slip time until it rests [s], infinite if never
+ * @property {number} t_slip time until it rests [s], NaN if never
  * @property {number} spring_drop relief of the spring until then [m]
  * @property {number} peak velocity at its first maximum [m/s]; NaN if it has none
  * @property {number} peakAt when [s]
@@ -181,6 +178,6 @@
  * @property {number} v_c critical velocity [m/s]
  * @property {Cure[]} cures none where there is no cycle
  *
- * @typedef {(log: number) => [lambda_: number, zeta: number, unit: number]} Way a path through the
- *   settings: lambda, zeta and the unit v/w of a jump, at the logarithm of what changes
+ * @typedef {(log: number) => Setting} Way a path through the settings, by the logarithm of what
+ *   changes
  */

@@ -70,7 +70,7 @@ function deviation(exact, simple) {
 
 /** @type {(motion: Motion, v_c: number) => string} one sentence on what this setting does */
 function inWords({ cycle, numbers, p, curve, slip }, v_c) {
-  if (!cycle.exists && slip.settles) {
+  if (!cycle.exists && Number.isNaN(v_c)) {
     const { even } = regimeAt(contactOf(p, curve), p.v);
     return even && slip.settles()
       ? "It moves evenly: on this friction curve the slip from break-away calms down."

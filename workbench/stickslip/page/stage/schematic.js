@@ -101,9 +101,9 @@ function layoutOf(motion, seen, width, height, { wide, high, round }) {
  * room where the mass is at the end of a window, whose length is `way` [m].
  * @type {(motion: Motion, seen: Seen, way: number) => {base: number, most: number, end: number}}
  */
-function reachOf({ numbers, cycle, slip, z_s, z_even, first }, seen, way) {
+function reachOf({ curve, numbers, cycle, slip, z_s, z_even, first }, seen, way) {
   // Under a friction curve a slip without end may grow for some swings.
-  const swings = !cycle.exists && slip.pieces ? 6 : 1;
+  const swings = !cycle.exists && curve ? 6 : 1;
   const duration = cycle.exists ? cycle.t_slip : (2 * Math.PI * swings) / numbers.w;
   const count = 60 * swings;
   const lengths = [z_s];

@@ -42,8 +42,7 @@ export function slipNodes(slip, a, b, width) {
   // More than a cubic to three pixels is not seen.
   const least = (b - a) / Math.max(width / 3, 8);
   const nodes = [a];
-  for (const piece of slip.pieces?.(a, b) ?? [{ ...slip, start: 0, end: b, turns: false }]) {
-    const { start, end, rate, fast, slow, turns } = piece;
+  for (const { start, end, rate, fast, slow, turns } of slip.pieces(a, b)) {
     for (let tau = nodes[nodes.length - 1]; tau < end && nodes.length < MOST_NODES; nodes.push(tau)) {
       // What decays fast is still after a while, and the slow rest takes longer steps.
       const quickest = fast * (tau - start) > STILL_AFTER ? slow : rate;
