@@ -11,7 +11,7 @@ const FURTHEST = 700;
 /** @type {(p: Setting) => number} the cycle exists where it is 0 or more */
 export function marginOf(p) {
   const { lambda_, zeta } = numbersOf(p);
-  return zeta < 1 ? logDepth(Math.log(lambda_), zeta)[0] : -Infinity;
+  return zeta < 1 ? logDepth(Math.log(lambda_), zeta) : -Infinity;
 }
 
 /** @type {(way: Way, inside: number, outside: number) => number} where a way leaves the cycle */

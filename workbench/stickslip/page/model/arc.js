@@ -1,7 +1,7 @@
 /** An arc of slip on one line of a friction curve, and where its speed leaves that line: docs/theory.md (3), (5). */
 
 import { responses } from "./oscillator.js";
-import { risingZero } from "./root.js";
+import { zeroBetween } from "./root.js";
 
 /** A swing that has grown by exp(600) has left every line. */
 const MOST_GROWTH = 600;
@@ -48,7 +48,8 @@ export function courseOf(arc, v) {
     if (end === Infinity) return course;
     const speed = arcState(arc, v, end).x_dot;
     if (!turns || (rising ? speed > high : speed < low)) {
-      return { ...course, rising, tau: passing(arc, v, limit, rising, begin, end) };
+      const excess = (/** @type {number} */ tau) => arcState(arc, v, tau).x_dot - limit;
+      return { ...course, rising, tau: zeroBetween(excess, begin, end) };
     }
     if (rising && !n) [course.highest, course.highestAt] = [speed, end];
     if (!rising && n < 2) course.lowest = speed;
@@ -86,18 +87,4 @@ function tailEnd(arc, v, begin, limit, rising) {
     if (rising ? speed > limit : speed < limit) return begin + step;
   }
   return Infinity;
-}
-
-/**
- * When [s] a speed, monotone from `begin` to `end`, passes a limit [m/s].
- * @type {(arc: Arc, v: number, limit: number, rising: boolean, begin: number, end: number) => number}
- */
-function passing(arc, v, limit, rising, begin, end) {
-  const sign = rising ? 1 : -1;
-  /** @type {(tau: number) => [number, number]} */
-  const excess = (tau) => {
-    const { x_dot, x_ddot } = arcState(arc, v, tau);
-    return [sign * (x_dot - limit), sign * x_ddot];
-  };
-  return risingZero(excess, begin, end, 0.5 * (begin + end));
 }

@@ -1,7 +1,7 @@
 /** From which velocity on a damped slip no longer comes to rest: docs/theory.md (13), (14). */
 
 import { nuOf, numbersOf } from "./friction.js";
-import { risingZero } from "./root.js";
+import { zeroBetween } from "./root.js";
 
 /**
  * The critical velocity v_c [m/s], whatever v is: infinite without damping, where there is none; 0
@@ -32,13 +32,13 @@ export function logCriticalLambda(zeta) {
   const heavy = (zeta / nu) * (Math.PI + Math.acos(zeta));
   const low = light - 1;
   const high = Math.max(light, heavy) + Math.LN2 + 1;
-  return risingZero((log) => logDepth(log, zeta), low, high, zeta < 0.3 ? light : heavy);
+  return zeroBetween((log) => logDepth(log, zeta), low, high);
 }
 
 /**
- * ln of the deepest velocity deviation over v at ln lambda, and its slope: a slip from rest ends
- * where it is 0 or more.
- * @type {(log: number, zeta: number) => [value: number, slope: number]}
+ * ln of the deepest velocity deviation over v at ln lambda: a slip from rest ends where it is 0 or
+ * more.
+ * @type {(log: number, zeta: number) => number}
  */
 export function logDepth(log, zeta) {
   const nu = nuOf(zeta);
@@ -48,5 +48,5 @@ export function logDepth(log, zeta) {
   const small = log < 0;
   const angle = small ? Math.atan2(e * nu, 1 - zeta * e) : Math.atan2(nu, e - zeta);
   const growth = 0.5 * Math.log1p(inner) + (small ? 0 : log);
-  return [growth - (zeta / nu) * (2 * Math.PI - angle), (small ? e * e : 1) / (1 + inner)];
+  return growth - (zeta / nu) * (2 * Math.PI - angle);
 }

@@ -1,7 +1,7 @@
 /** The steady cycle in closed form, and as designers write it: docs/theory.md (6) to (13). */
 
 import { nuOf, numbersOf } from "./friction.js";
-import { risingZero } from "./root.js";
+import { zeroBetween } from "./root.js";
 
 /**
  * A slip of the cycle in plain numbers.
@@ -96,11 +96,7 @@ function plainSlip(lambda_, zeta) {
  */
 function timeBeforeMinimum(logD, zeta, nu) {
   const target = Math.sqrt(-Math.expm1(-logD));
-  if (target === 0) return 0;
-  const high = Math.acos(zeta) / nu;
-  const undamped = Math.asin(Math.sqrt(-Math.expm1(-2 * logD)));
-  /** @type {(delta: number) => [number, number]} */
-  const excess = (delta) => {
+  const excess = (/** @type {number} */ delta) => {
     const sine = Math.sin(nu * delta);
     const half = Math.sin(0.5 * nu * delta);
     const growth = Math.exp(zeta * delta);
@@ -109,8 +105,7 @@ function timeBeforeMinimum(logD, zeta, nu) {
       2 * half * half +
       growth * (zeta / nu) * sine -
       Math.expm1(zeta * delta) * (1 - 2 * half * half);
-    const root = Math.sqrt(Math.max(depth, 0));
-    return [root - target, (growth * sine) / (2 * nu * Math.max(root, 1e-300))];
+    return Math.sqrt(Math.max(depth, 0)) - target;
   };
-  return risingZero(excess, 0, high, Math.min(undamped, high));
+  return zeroBetween(excess, 0, Math.acos(zeta) / nu);
 }

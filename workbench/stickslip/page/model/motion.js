@@ -40,7 +40,8 @@ export function motionOf(p, curve = null) {
     const z = n === 0 ? p.v * t : z_s - p.v * left;
     const x = positionBefore(n);
     const F = p.k * z;
-    return { t, mode: 0, x, x_dot: 0, x_ddot: 0, x_pull: x + z, z, F, F_friction: -F };
+    const forces = { F, F_dot: p.k * p.v, F_friction: -F };
+    return { t, mode: 0, x, x_dot: 0, x_ddot: 0, x_pull: x + z, z, ...forces };
   }
 
   /** @type {Motion["slipping"]} */
@@ -52,7 +53,8 @@ export function motionOf(p, curve = null) {
     const z = z_s + growth;
     const F = numbers.F_s + p.k * growth;
     const F_friction = -(mode * kinetic(speed) + p.c * speed);
-    return { t, mode, x, x_dot: speed, x_ddot, x_pull: x + z, z, F, F_friction };
+    const forces = { F, F_dot: p.k * (p.v - speed), F_friction };
+    return { t, mode, x, x_dot: speed, x_ddot, x_pull: x + z, z, ...forces };
   }
 
   /** @type {(t: number) => number} break-aways before t [s], less one; t is after the first */

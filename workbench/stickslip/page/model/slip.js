@@ -3,7 +3,7 @@
 import { arcState, courseOf } from "./arc.js";
 import { chainOf, contactOf, follow } from "./chain.js";
 import { cycleOf, steadyCycle } from "./cycle.js";
-import { risingZero } from "./root.js";
+import { zeroBetween } from "./root.js";
 
 /** A turn that repeats the last one to this part repeats it for ever. */
 const SAME_TURN = 1e-13;
@@ -22,12 +22,7 @@ export function slipOf(p, curve) {
   const isConstant = curve.length === 1;
   const playing = played(contact, isConstant ? arcs.slice(0, 1) : arcs, v, isConstant || rests);
   // The spring is longest when the mass first has the speed of the pull.
-  /** @type {(tau: number) => [number, number]} */
-  const lead = (tau) => {
-    const { x_dot, x_ddot } = playing.at(tau);
-    return [x_dot - v, x_ddot];
-  };
-  const longest = peak > v ? risingZero(lead, 0, peakAt, 0.5 * peakAt) : NaN;
+  const longest = peak > v ? zeroBetween((tau) => playing.at(tau).x_dot - v, 0, peakAt) : NaN;
   const here = contact.bands.find(({ high }) => v < high)?.oscillator ?? contact.bands[0].oscillator;
   const slow = Math.max(here.slow, 0);
   return {

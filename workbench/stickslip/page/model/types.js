@@ -128,6 +128,7 @@
  * @property {number} x_pull position of the pulled end [m]
  * @property {number} z extension of the spring [m]
  * @property {number} F spring force [N]
+ * @property {number} F_dot its rate [N/s]
  * @property {number} F_friction force of the way on the mass, damping included [N]
  *
  * @typedef {object} Phase a stick or a slip

@@ -3,7 +3,7 @@
 import { axisOf } from "../view/axis.js";
 import { seenPhases, timePath } from "../view/curves.js";
 import { draw, put, setText } from "../view/dom.js";
-import { hatched, makeFrame, px, write } from "../view/frame.js";
+import { hatched, makeFrame, makeTexts, px, write } from "../view/frame.js";
 import { quantity, scaleFor } from "../view/units.js";
 import { cyclesBegin } from "./stretch.js";
 
@@ -41,13 +41,15 @@ export function makeTimeCharts(svgX, svgF) {
   const massName = draw(x.frame.over, "text", { class: "note mass", "text-anchor": "middle" });
   const overshoot = draw(F.frame.over, "text", { class: "note" });
   const pullDot = draw(x.frame.over, "circle", { class: "dot pull", r: 4 });
-  /** @type {Element[]} */
-  const names = [];
+  const nameBands = makeTexts(x.frame.over, { class: "band-name" });
+
+  /** @type {(start: number, end: number) => number} [px] */
+  const widthOf = (start, end) => x.frame.x(end) - x.frame.x(start);
 
   /** @type {(motion: Motion, seen: Seen, ghost: Motion | null) => void} */
   function show(motion, seen, ghost) {
     const { p, numbers } = motion;
-    const { left, right, top, width } = x.frame.area;
+    const { left, right, top, bottom, width } = x.frame.area;
     const phases = seenPhases(motion, seen, width);
     const points = phases.flatMap((phase) => phase.points);
     const before = ghost ? ghostOf(ghost, motion, seen, width) : [];
@@ -74,7 +76,10 @@ export function makeTimeCharts(svgX, svgF) {
     showOvershoot(motion, seen, phases);
     x.shade(phases);
     F.shade(phases);
-    nameBands(phases);
+    const wide = phases.filter(({ start, end }) => widthOf(start, end) >= ROOM_FOR_NAME);
+    nameBands(
+      wide.map(({ kind, start, end }) => [kind, x.frame.x(0.5 * (start + end)), bottom - 5]),
+    );
   }
 
   /**
@@ -88,9 +93,9 @@ export function makeTimeCharts(svgX, svgF) {
     note(pullName, "pulled end", left + 8, x.frame.y(p.v * t) - 2, x.frame);
     const stick = phases.findLast(
       ({ kind, start, end }) =>
-        kind === "stick" && x.frame.x(end) - x.frame.x(start) > ROOM_FOR_NAME && end < seen.to,
+        kind === "stick" && widthOf(start, end) > ROOM_FOR_NAME && end < seen.to,
     );
-    const middle = stick ? 0.5 * (x.frame.x(stick.start) + x.frame.x(stick.end)) : right - 20;
+    const middle = stick ? x.frame.x(0.5 * (stick.start + stick.end)) : right - 20;
     const height = stick ? Math.min(x.frame.y(stick.points[0].x) + 15, bottom - 18) : Infinity;
     note(massName, "mass", middle, height, x.frame);
   }
@@ -110,19 +115,6 @@ export function makeTimeCharts(svgX, svgF) {
     const room = isHigh && leftmost + width < area.right;
     const at = Math.min(Math.max(left + 4, leftmost), area.right - width);
     note(overshoot, room && left < area.right ? words : "", at, top - 4, F.frame);
-  }
-
-  /** @type {(phases: SeenPhase[]) => void} */
-  function nameBands(phases) {
-    let used = 0;
-    for (const { kind, start, end } of phases) {
-      const left = x.frame.x(start);
-      const width = x.frame.x(end) - left;
-      if (width < ROOM_FOR_NAME) continue;
-      names[used] ??= draw(x.frame.over, "text", { class: "band-name", "text-anchor": "middle" });
-      write(names[used++], kind, left + 0.5 * width, x.frame.area.bottom - 5);
-    }
-    for (const name of names.splice(used)) name.remove();
   }
 
   return {

@@ -50,14 +50,10 @@ export function ticks(axis, count) {
   const { low, high, size } = axis;
   const bottom = low / size;
   const top = high / size;
-  const rough = (top - bottom) / count;
-  const power = 10 ** Math.floor(Math.log10(rough));
-  const steps = [0.5, 1, 2, 5, 10].map((each) => each * power);
-  const index = steps.findIndex((each) => each >= rough * 0.9999);
+  const coarse = roundStep((top - bottom) / count);
   // A single mark is no scale.
-  const marks = multiples(steps[index], bottom, top);
-  const isScale = marks.values.length > 1;
-  const { step, values } = isScale ? marks : multiples(steps[index - 1], bottom, top);
+  const step = multiples(coarse, bottom, top).length > 1 ? coarse : roundStep(0.4 * coarse);
+  const values = multiples(step, bottom, top);
   const decimals = Math.max(0, Math.ceil(-Math.log10(step) - 1e-9));
   const most = Math.max(-bottom, top);
   const plain = most > 1e-4 && most < 1e6;
@@ -93,5 +89,11 @@ function multiples(step, bottom, top) {
   for (let n = first; values.length < MOST_MARKS && n * step <= top + 1e-9 * step; n++) {
     values.push(n * step);
   }
-  return { step, values };
+  return values;
+}
+
+/** @type {(least: number) => number} the least of 1, 2, 5, 10, ... that is not below a number */
+export function roundStep(least) {
+  const decade = 10 ** Math.floor(Math.log10(least));
+  return decade * [1, 2, 5, 10].find((factor) => factor * decade >= least * 0.9999);
 }

@@ -22,14 +22,12 @@ export function seenPhases(motion, { from, to }, width) {
   return Array.from(motion.phases(from, to), ({ kind, n, start, end }) => {
     const a = Math.max(start, from);
     const b = Math.min(end, to);
-    const states =
+    const points =
       kind === "stick"
         ? [a, b].map((t) => motion.sticking(t, n, end - t))
         : slipNodes(motion.slip, a - start, b - start, (b - a) * perSecond).map((tau) =>
             motion.slipping(start + tau, n, tau),
           );
-    const { k, v } = motion.p;
-    const points = states.map((state) => ({ ...state, F_dot: k * (v - state.x_dot) }));
     return { kind, start: a, end: b, points };
   });
 }
@@ -61,22 +59,13 @@ export function slipNodes(slip, a, b, width) {
  * @type {(phases: SeenPhase[], frame: Frame, name: "x" | "F", slope: "x_dot" | "F_dot") => string}
  */
 export function timePath(phases, frame, name, slope) {
-  let path = "";
-  for (const { kind, points } of phases) {
-    points.forEach((point, index) => {
-      const last = points[index - 1];
-      const here = `${px(frame.x(point.t))} ${px(frame.y(point[name]))}`;
-      if (!last || kind === "stick") path += `${path ? "L" : "M"}${here}`;
-      else {
-        const third = (point.t - last.t) / 3;
-        const out = px(frame.y(last[name] + third * last[slope]));
-        const into = px(frame.y(point[name] - third * point[slope]));
-        path += `C${px(frame.x(last.t + third))} ${out}`;
-        path += ` ${px(frame.x(point.t - third))} ${into} ${here}`;
-      }
-    });
-  }
-  return path;
+  const points = phases.flatMap(({ kind, points }) =>
+    points.map((point, n) => {
+      const place = { t: point.t, x: point.t, y: point[name], dx: 1, dy: point[slope] };
+      return { ...place, isLine: !n || kind === "stick" };
+    }),
+  );
+  return pathOf(points, frame);
 }
 
 /**
@@ -84,16 +73,23 @@ export function timePath(phases, frame, name, slope) {
  * from the break-away; closed where the stick leads back to the break-away.
  * @type {(motion: Motion, frame: Frame, states: State[], closed: boolean) => string}
  */
-export function loopPath(motion, frame, states, closed) {
-  const point = (z, x_dot) => `${px(frame.x(z))} ${px(frame.y(x_dot))}`;
-  const { v } = motion.p;
-  let path = `M${point(states[0].z, states[0].x_dot)}`;
-  states.slice(1).forEach(({ t, z, x_dot, x_ddot }, index) => {
-    const last = states[index];
-    const third = (t - last.t) / 3;
-    path +=
-      `C${point(last.z + third * (v - last.x_dot), last.x_dot + third * last.x_ddot)}` +
-      ` ${point(z - third * (v - x_dot), x_dot - third * x_ddot)} ${point(z, x_dot)}`;
+export function loopPath({ p, z_s }, frame, states, closed) {
+  const points = states.map(({ t, z, x_dot, x_ddot }) => {
+    return { t, x: z, y: x_dot, dx: p.v - x_dot, dy: x_ddot, isLine: false };
   });
-  return closed ? `${path}L${point(motion.z_s, 0)}` : path;
+  const back = { t: 0, x: z_s, y: 0, dx: 0, dy: 0, isLine: true };
+  return pathOf(closed ? [...points, back] : points, frame);
+}
+
+/** Points with their rates as a path: a line to each that says so, to others a cubic. */
+function pathOf(points, frame) {
+  const at = (x, y) => `${px(frame.x(x))} ${px(frame.y(y))}`;
+  const parts = points.map(({ t, x, y, dx, dy, isLine }, n) => {
+    if (isLine || !n) return `${n ? "L" : "M"}${at(x, y)}`;
+    const last = points[n - 1];
+    const third = (t - last.t) / 3;
+    const out = at(last.x + third * last.dx, last.y + third * last.dy);
+    return `C${out} ${at(x - third * dx, y - third * dy)} ${at(x, y)}`;
+  });
+  return parts.join("");
 }

@@ -46,14 +46,10 @@ export function makeFrame(svg) {
   const clip = draw(draw(draw(svg, "defs"), "clipPath", { id: `${svg.id}-clip` }), "rect");
   const under = draw(svg, "g", { "clip-path": `url(#${svg.id}-clip)` });
   const grid = draw(svg, "path", { class: "grid" });
-  const labels = draw(svg, "g", { class: "ticks" });
+  const label = makeTexts(draw(svg, "g", { class: "ticks" }));
   const curves = draw(svg, "g", { "clip-path": `url(#${svg.id}-clip)` });
   const over = draw(svg, "g");
-  const titles = ["end", "start"].map((end) =>
-    draw(svg, "text", { class: "axis", "text-anchor": end }),
-  );
-  /** @type {Element[]} */
-  const pool = [];
+  const name = makeTexts(svg, { class: "axis" });
   const area = { left: MARGIN.left, top: MARGIN.top, right: 0, bottom: 0, width: 0, height: 0 };
   /** @type {{x: Axis, y: Axis}} */
   let axes = null;
@@ -75,28 +71,27 @@ export function makeFrame(svg) {
   function scale(horizontal, vertical) {
     axes = { x: horizontal, y: vertical };
     let path = "";
-    let used = 0;
-    const label = (text, left, top, anchor) => {
-      pool[used] ??= draw(labels, "text");
-      write(pool[used], text, left, top);
-      put(pool[used++], { "text-anchor": anchor });
-    };
+    /** @type {Note[]} */
+    const labels = [];
     for (const { value, text } of ticks(horizontal, markCount(horizontal, "x", area.width))) {
       path += upright(value);
       const edge = area.right + MARGIN.right;
       const cut = x(value) + 0.5 * WIDE * text.length > edge;
-      label(text, cut ? edge : x(value), area.bottom + 15, cut ? "end" : "middle");
+      labels.push([text, cut ? edge : x(value), area.bottom + 15, cut ? "end" : "middle"]);
     }
     for (const { value, text } of ticks(vertical, markCount(vertical, "y", area.height))) {
       path += level(value);
       // What the margin cannot hold stands inside, above its line.
-      if (WIDE * text.length > MARGIN.left - 5) label(text, area.left + 4, y(value) - 3, "start");
-      else label(text, area.left - 5, y(value) + 4, "end");
+      const inside = WIDE * text.length > MARGIN.left - 5;
+      if (inside) labels.push([text, area.left + 4, y(value) - 3, "start"]);
+      else labels.push([text, area.left - 5, y(value) + 4, "end"]);
     }
-    for (const element of pool.splice(used)) element.remove();
+    label(labels);
     put(grid, { d: path });
-    write(titles[0], horizontal.title, area.right, area.bottom + 30);
-    write(titles[1], vertical.title, area.left + 5, area.top + 11);
+    name([
+      [horizontal.title, area.right, area.bottom + 30, "end"],
+      [vertical.title, area.left + 5, area.top + 11, "start"],
+    ]);
   }
 
   const upright = (/** @type {number} */ value) => `M${px(x(value))} ${area.top}V${area.bottom}`;
@@ -115,4 +110,18 @@ function markCount({ log }, way, length) {
 export function write(element, text, left, top) {
   setText(element, text);
   put(element, { x: px(left), y: px(top) });
+}
+
+/** @type {(parent: Element, look?: object) => (texts: Note[]) => void} what writes as many as given */
+export function makeTexts(parent, look) {
+  /** @type {Element[]} */
+  const elements = [];
+  return (texts) => {
+    for (const element of elements.splice(texts.length)) element.remove();
+    texts.forEach(([text, left, top, anchor = "middle"], n) => {
+      elements[n] ??= draw(parent, "text", look);
+      write(elements[n], text, left, top);
+      put(elements[n], { "text-anchor": anchor });
+    });
+  };
 }

@@ -30,8 +30,9 @@
  * @property {"stick" | "slip"} kind
  * @property {number} start [s], cut to what is seen
  * @property {number} end [s], cut to what is seen
- * @property {(State & {F_dot: number})[]} points exact states in it, with the rate of the spring
- *   force [N/s]
+ * @property {State[]} points exact states in it
+ *
+ * @typedef {[text: string, left: number, top: number, anchor?: string]} Note a text at a place [px]
  *
  * @typedef {{size: number, unit: string}} Scale a unit and its size [SI]
  *
