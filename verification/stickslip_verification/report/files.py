@@ -62,12 +62,12 @@ _TEMPLATES: Final = Path(__file__).parent / "templates"
 
 
 def environment(folder: Path = _TEMPLATES) -> Environment:
-    """Return what renders the templates of a folder.
+    """Return what renders the templates of a folder, which may take from our own, `parts.html.j2`.
 
     A name that is missing is an error, text is escaped.
     """
     made = Environment(
-        loader=FileSystemLoader(folder),
+        loader=FileSystemLoader([folder, _TEMPLATES]),
         autoescape=True,
         undefined=StrictUndefined,
         trim_blocks=True,

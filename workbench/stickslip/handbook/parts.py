@@ -6,19 +6,17 @@ licences of what is in it, ours and those of what it is built with.
 
 from collections.abc import Mapping
 from importlib.metadata import distribution
-from importlib.resources import files
+from pathlib import Path
 from typing import Any, Final, Literal, TypeAlias
-
-from markupsafe import Markup
 
 from fmi.table import Table, Variable
 from stickslip.page import page
-from stickslip.page.assemble import environment_of
 from stickslip_fmu.interface import table_of
 from stickslip_fmu.laws.named import BUILT_IN, COULOMB_NAME, friction_law
 from stickslip_fmu.release import DATE, VERSION
+from stickslip_verification.report.files import environment, text_of
 
-_SOURCES: Final = files("stickslip.handbook")
+_SOURCES: Final = Path(__file__).parent
 _TITLES: Final = {
     ("parameter", False): "Parameters",
     ("input", False): "Inputs",
@@ -49,12 +47,8 @@ def document(fmi_version: int, *, native: bool = False, law: str = COULOMB_NAME)
 def rendered(template: str, **names: Any) -> str:
     """Return a file of the FMU whose template lies beside this one."""
     common = {"version": VERSION, "date": DATE.partition("T")[0]}
-    style = Markup(_text("handbook.css"))
-    return environment_of(_text).get_template(template).render(**common, style=style, **names)
-
-
-def _text(name: str) -> str:
-    return (_SOURCES / name).read_text(encoding="utf-8")
+    style = text_of("handbook.css", _SOURCES)
+    return environment(_SOURCES).get_template(template).render(**common, style=style, **names)
 
 
 def _groups(table: Table) -> dict[str, list[Variable]]:

@@ -5,7 +5,7 @@ import posixpath
 import re
 import tomllib
 from base64 import b64encode
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from fractions import Fraction
 from functools import cache
 from graphlib import TopologicalSorter
@@ -60,20 +60,6 @@ _SOURCES: Final = files("stickslip.page")
 CARD: Final = "card.png"
 
 
-def environment_of(text: Callable[[str], str]) -> Environment:
-    """Return what renders templates, each of which `text` returns by its name.
-
-    Text is escaped; a name that is missing is an error.
-    """
-    return Environment(
-        loader=FunctionLoader(text),
-        autoescape=True,
-        trim_blocks=True,
-        lstrip_blocks=True,
-        undefined=StrictUndefined,
-    )
-
-
 def page(setting: Mapping[str, float] | None = None, address: str = "") -> str:
     """Return the page: one HTML text that asks for nothing else, from a file or from a server.
 
@@ -88,7 +74,13 @@ def page(setting: Mapping[str, float] | None = None, address: str = "") -> str:
     """
     from stickslip.page import texts
 
-    environment = environment_of(_text)
+    environment = Environment(
+        loader=FunctionLoader(_text),
+        autoescape=True,
+        trim_blocks=True,
+        lstrip_blocks=True,
+        undefined=StrictUndefined,
+    )
     start: dict[str, Any] = {name: TABLE.by_name[name].start for name in _SETTING}
     table = _table("applications/applications.toml")["application"]
     applications = texts.applications(table, start)
