@@ -89,7 +89,7 @@ def page(setting: Mapping[str, float] | None = None, address: str = "") -> str:
     curves = _table("friction/friction.toml")["curve"]
     data = {
         # What the markup already says, the script need not.
-        "controls": [*_without(_controls(), "label", "symbol"), *_parameters()],
+        "controls": [*_without(_controls(), "symbol"), *_parameters()],
         "units": _units(),
         "scales": texts.SCALES,
         "applications": [

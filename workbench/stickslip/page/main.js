@@ -5,7 +5,8 @@ import { makeControls } from "./controls/controls.js";
 import { makeCures } from "./cures/cures.js";
 import { byId, data, on, setText } from "./view/dom.js";
 import { makeKeeping } from "./keeping/keeping.js";
-import { makeMaps } from "./maps/maps.js";
+import { makeJumpMap } from "./maps/jumpmap.js";
+import { makePlane } from "./maps/plane.js";
 import { makePlayer } from "./stage/player.js";
 import { listen } from "./stage/pointer.js";
 import { makePortrait } from "./stage/portrait.js";
@@ -86,26 +87,34 @@ function setAll(values, next = curve) {
 }
 
 /** What brings the setting back, for the address. */
-const asked = () =>
-  curve ? { ...controls.wanted, curve: curve.flat().slice(1) } : controls.wanted;
+const asked = () => ({
+  ...controls.wanted(),
+  ...(curve && { curve: curve.flat().slice(1) }),
+});
 const place = () => story.address() ?? asked();
 
 /** @type {Page} */
 const page = {
-  set(values, { ghost: keep = false, from = /** @type {Look["from"]} */ ("cycles"), curve, still } = {}) {
+  set(values, { over, from, curve, still } = {}) {
     // An address may ask for a step of the story before anything is solved.
-    const before = solution?.motion ?? null;
-    const left = before && place();
+    const left = solution && place();
+    if (over) setAll(over, curve);
+    const before = over ? solution.motion : null;
     setAll(values, curve);
     if (still) return;
     // A link to a step of the story has its own place in the history.
     if (left && !linked) address.step(left, asked());
-    ghost = keep ? before : null;
+    ghost = before;
     seen.release(from);
     redrawSoon();
   },
-  setting: () => controls.setting,
+  setting: controls.setting,
   curve: () => curve,
+  isUsed(values, points = null) {
+    const setting = Object.entries(controls.setting());
+    const isSet = setting.every(([name, value]) => (values[name] ?? value) === value);
+    return isSet && `${points}` === `${curve}`;
+  },
   solution: () => solution,
   link: () => `${location.href.split("#")[0]}${hashOf(place())}`,
 };
@@ -115,7 +124,7 @@ const constantPage = { ...page, solution: () => solution.constant };
 const story = makeStory(page, data.steps);
 
 const sound = makeSound(page);
-const ofConstant = [makeCures(constantPage), makeMaps(constantPage)];
+const ofConstant = [makeCures, makeJumpMap, makePlane].map((make) => make(constantPage));
 /** @type {((solution: Solution) => void)[]} each shows a solution in its section of the page */
 const sections = [
   makeApplications(page, data.applications),
@@ -125,7 +134,7 @@ const sections = [
   ...ofConstant.map((show) => ({ constant }) => show(constant)),
 ];
 
-const keeping = makeKeeping(page, seen, controls.starts, reader);
+const keeping = makeKeeping(page, seen, reader);
 
 function redrawSoon() {
   if (!isDue) requestAnimationFrame(() => isDue && redraw());
@@ -158,15 +167,11 @@ function redrawTime() {
 function resize() {
   const { clientWidth, clientHeight } = byId("schematic");
   scene = { width: clientWidth, height: clientHeight };
-  cover();
+  // Tell the style how much of the window the stage covers.
+  document.documentElement.style.setProperty("--covered", `${byId("stage").offsetHeight}px`);
   charts.resize();
   portrait.resize();
   redraw();
-}
-
-/** Tell the style how much of the window the stage covers. */
-function cover() {
-  document.documentElement.style.setProperty("--covered", `${byId("stage").offsetHeight}px`);
 }
 
 /** @param {HashChangeEvent} [event] what led here; none at the start */
@@ -204,7 +209,6 @@ function takeAddress(event) {
   setText(byId("address-said"), problems.length ? complaint : "");
 }
 
-cover();
 takeAddress();
 resize();
 
@@ -245,23 +249,8 @@ window.stickslip = {
     setAll(values, next);
     redraw();
   },
-  get curve() {
-    return curve;
-  },
-  regimes: (points, low, high, step) => regimesOf(controls.setting, points, low, high, step),
-  compare: (values) => page.set(values, { ghost: true }),
-  get setting() {
-    return controls.setting;
-  },
-  get cycle() {
-    return solution.motion.cycle;
-  },
-  get simplified() {
-    return solution.simple;
-  },
-  get criticalVelocity() {
-    return solution.v_c;
-  },
+  regimes: (points, low, high, step) => regimesOf(controls.setting(), points, low, high, step),
+  compare: (values) => page.set(values, { over: {} }),
   /** A text as a quantity of this SI unit, or what is wrong with it. */
   read: (text, unit) => reader.read(text, unit, unit),
   harmonics: (count) => harmonicsOfMotion(solution.motion, count),
@@ -278,3 +267,14 @@ window.stickslip = {
     redrawTime();
   },
 };
+const shown = {
+  setting: controls.setting,
+  curve: page.curve,
+  cycle: () => solution.motion.cycle,
+  simplified: () => solution.simple,
+  criticalVelocity: () => solution.v_c,
+};
+for (const [name, get] of Object.entries(shown)) {
+  // @ts-expect-error The same.
+  Object.defineProperty(window.stickslip, name, { get });
+}

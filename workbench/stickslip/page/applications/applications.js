@@ -3,36 +3,30 @@
 import { byId, on, put } from "../view/dom.js";
 
 /**
- * Returns what shows which application a solution is of: by a button at the top and an entry in the
+ * Returns what shows which application the setting is of: by a button at the top and an entry in the
  * section. Countermeasures that change no parameter are null.
- * @type {(page: Page, applications: Application[]) => (solution: Solution) => void}
+ * @type {(page: Page, applications: Application[]) => () => void}
  */
 export function makeApplications(page, applications) {
   const names = Object.keys(page.setting());
   const parts = applications.map((application) => {
     const entry = byId(`application-${application.id}`);
-    const part = {
-      button: document.querySelector(`[data-preset="${application.id}"]`),
-      entry,
-      own: Object.fromEntries(names.map((name) => [name, application[name]])),
-    };
-    const choose = () => page.set(part.own, { curve: null });
-    on(part.button, "click", choose);
+    const button = document.querySelector(`[data-preset="${application.id}"]`);
+    const own = Object.fromEntries(names.map((name) => [name, application[name]]));
+    const choose = () => page.set(own, { curve: null });
+    on(button, "click", choose);
     // Closed still: the click is about to open it.
     on(entry.querySelector("summary"), "click", () => entry.open || choose());
     const buttons = entry.querySelectorAll("button");
     application.cures.filter(Boolean).forEach((cure, at) => {
-      on(buttons[at], "click", () => {
-        choose();
-        page.set(cure, { ghost: true });
-      });
+      on(buttons[at], "click", () => page.set({ ...own, ...cure }, { over: own, curve: null }));
     });
-    return part;
+    return { button, entry, own };
   });
 
   let shown = null;
-  return function show({ motion: { p, curve } }) {
-    const current = parts.find(({ own }) => !curve && names.every((name) => own[name] === p[name]));
+  return function show() {
+    const current = parts.find(({ own }) => page.isUsed(own));
     if (shown === current) return;
     shown = current;
     for (const part of parts) {

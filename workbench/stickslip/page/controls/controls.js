@@ -9,11 +9,8 @@ import { outOfRange, readTyped, typedText } from "./typed.js";
 /** A unit may be half typed: what is wrong with it is told when nothing more comes [ms]. */
 const HALF_TYPED = 900;
 
-/** Whether a number is too long for its field, in the unit that is shown. */
-function isUnwieldy(number) {
-  const size = Math.abs(number);
-  return size >= 1e6 || (size > 0 && size < 1e-3);
-}
+/** A number beyond these is too long for its field, in the unit that is shown. */
+const WIELDY = { least: 1e-3, most: 1e6 };
 
 /**
  * Bring the controls to life.
@@ -21,15 +18,15 @@ function isUnwieldy(number) {
  * @param {Control[]} table the page's controls, and the parameters without one
  * @param {Reader} reader of the typed quantities
  * @param {(p: Setting) => string | null} accept called with each new setting; a text refuses it
- * @returns setting: the values in use; wanted: the same as the person asked for; set(values): take
- *   these [SI] as if typed, throws a RangeError with the reason if they are refused;
+ * @returns setting(): the values in use; wanted(): the same as the person asked for; set(values):
+ *   take these [SI] as if typed, throws a RangeError with the reason if they are refused;
  *   objectionTo(name, value): that reason for one of them; starts: the values of the FMU
  */
 export function makeControls(table, reader, accept) {
   const parameters = table.filter(({ start }) => start !== undefined);
   /** @type {any} a Setting, by the names of the table */
   const starts = Object.fromEntries(parameters.map(({ name, start }) => [name, start]));
-  const rows = table.filter(({ kind }) => kind).map(makeRow);
+  const rows = table.filter(({ label }) => label).map(makeRow);
   /** @type {Setting} */
   let setting = { ...starts };
   // What the person asked for; mu_k in use may be less, and the load more.
@@ -89,15 +86,14 @@ export function makeControls(table, reader, accept) {
   /** The field is left: what stands there is all, and is shown as the value in use. */
   function leave(row) {
     if (row.waiting) type(row, true);
-    if (row.said.dataset.bad) return;
     row.written = null;
-    show(row, null, row.named);
+    if (!row.said.hasAttribute("data-bad")) show(row, null, row.named);
   }
 
   /** What is wanted with another value of one of the controls. */
   function changed(name, value) {
-    const { m, g } = setting;
-    return { ...wanted, ...(name === "N" ? { load: value - m * g } : { [name]: value }) };
+    if (name === "N") return { ...wanted, load: value - setting.m * setting.g };
+    return { ...wanted, [name]: value };
   }
 
   function takeTyped(next, from) {
@@ -113,8 +109,8 @@ export function makeControls(table, reader, accept) {
     setting = used;
     wanted = next;
     for (const row of rows) show(row, from);
-    const { m, g, load } = setting;
-    setText(byId("N-parts"), `weight ${short(m * g)} + load ${short(load)}`);
+    const [weight, load] = [used.m * used.g, used.load].map(short);
+    setText(byId("N-parts"), `weight ${weight} + load ${load}`);
     return null;
   }
 
@@ -138,18 +134,22 @@ export function makeControls(table, reader, accept) {
     const isKinetic = control.name === "mu_k";
     const value = valueOf(row);
     // The unit of a plain number must not change under the hands of who types it.
-    if (fresh || (row !== from && isUnwieldy(value / row.scale.size))) {
-      row.scale = scaleFor(value, control.kind);
-    }
+    const long = !fresh && Math.abs(value / row.scale.size);
+    const isUnwieldy = long >= WIELDY.most || (long > 0 && long < WIELDY.least);
+    if (fresh || (row !== from && isUnwieldy)) row.scale = scaleFor(value, control.kind);
     const note = isKinetic ? clampNote() : "";
     const state = `${value} ${row.scale.unit} ${isKinetic ? setting.mu_s : ""} ${note}`;
     // To set a slider where it stands already would still cost a layout.
-    if (state === row.state && text.value === row.written && !said.dataset.bad) return;
+    if (state === row.state && text.value === row.written && !said.hasAttribute("data-bad")) return;
     row.state = state;
     const held = row === from ? document.activeElement : null;
     if (slider !== held || isKinetic) place(row, value);
     slider.setAttribute("aria-valuetext", inWords(row));
-    if (text !== held) write(row, value);
+    if (text !== held) {
+      text.value = typedText(value, row.scale);
+      setText(row.unit, row.scale.unit);
+      row.unit.style.visibility = "";
+    }
     row.written = text.value;
     text.removeAttribute("aria-invalid");
     say(row, note, false);
@@ -167,13 +167,7 @@ export function makeControls(table, reader, accept) {
       row.track.style.setProperty("--share", stop / ends.high);
       row.shown = { low: 0, high: stop };
     }
-    placeSlider(row.slider, control, value, scale, row.shown);
-  }
-
-  function write(row, value) {
-    row.text.value = typedText(value, row.scale);
-    setText(row.unit, row.scale.unit);
-    row.unit.style.visibility = "";
+    placeSlider(row.slider, control, value / scale.size, row.shown);
   }
 
   function inWords(row) {
@@ -188,8 +182,7 @@ export function makeControls(table, reader, accept) {
 
   function say(row, text, bad) {
     setText(row.said, text);
-    if (bad) row.said.dataset.bad = "yes";
-    else delete row.said.dataset.bad;
+    row.said.toggleAttribute("data-bad", bad);
   }
 
   /** What is wrong with a value of a parameter, SI, or null. */
@@ -214,17 +207,7 @@ export function makeControls(table, reader, accept) {
     if (objection) throw new RangeError(objection);
   }
 
-  return {
-    get setting() {
-      return setting;
-    },
-    get wanted() {
-      return wanted;
-    },
-    objectionTo,
-    set,
-    starts,
-  };
+  return { setting: () => setting, wanted: () => wanted, objectionTo, set, starts };
 }
 
 /** A force in four digits. */

@@ -1,7 +1,7 @@
 /** How a slider's position and a control's value belong together. */
 
-/** Few enough that each is another number of three digits: the finest is 1 %. */
-const STEPS = 300;
+/** Powers of the position by which scales that begin at 0 rise. */
+const POWERS = { linear: 1, square: 2 };
 
 /** @typedef {{low: number, high: number}} Ends of a slider, in the unit that is shown */
 
@@ -20,41 +20,23 @@ export function sliderEnds({ low, high, scale }, value, { size }) {
 }
 
 /**
- * Put a slider where its control's value [SI] is.
- * @type {(slider: any, control: Control, value: number, scale: Scale, ends: Ends) => void}
+ * Put a slider where a number is, in the unit that is shown.
+ * @type {(slider: any, control: Control, number: number, ends: Ends) => void}
  */
-export function placeSlider(slider, control, value, { size }, ends) {
-  const shown = value / size;
-  const linear = control.scale === "linear";
-  slider.min = linear ? ends.low : 0;
-  slider.max = linear ? ends.high : STEPS;
-  slider.step = !linear ? 1 : ends.high <= 5 ? 0.001 : 0.01;
-  slider.value = linear ? shown : STEPS * shareOf(control, shown, ends);
+export function placeSlider(slider, { scale }, number, { low, high }) {
+  // A 0 has no place on a logarithmic one, and is shown at the lower end.
+  const along = number > 0 ? Math.log(number / low) / Math.log(high / low) : 0;
+  const share = scale === "log" ? along : (number / high || 0) ** (1 / POWERS[scale]);
+  slider.value = slider.max * share;
 }
 
 /**
  * The number, in the unit that is shown, that a slider's position means: three digits.
- * @type {(slider: HTMLInputElement, control: Control, ends: Ends) => string}
+ * @type {(slider: any, control: Control, ends: Ends) => string}
  */
-export function numberAt(slider, control, { low, high }) {
-  // The end itself may lie between two steps.
-  if (control.scale === "linear") return atEnd(slider) ? String(high) : slider.value;
-  const share = Number(slider.value) / STEPS;
-  const shown = control.scale === "log" ? low * (high / low) ** share : high * share * share;
-  return String(Number(shown.toPrecision(3)));
-}
-
-function shareOf(control, shown, { low, high }) {
-  if (control.scale !== "log") return Math.sqrt(shown / high);
-  // A value of 0 has no place on it, and is shown at the lower end.
-  return shown > 0 ? Math.log(shown / low) / Math.log(high / low) : 0;
-}
-
-/** Whether the browser can put a slider no higher. */
-function atEnd(slider) {
-  const { value } = slider;
-  slider.stepUp();
-  const highest = slider.value === value;
-  slider.value = value;
-  return highest;
+export function numberAt(slider, { scale }, { low, high }) {
+  const share = slider.value / slider.max;
+  const number = scale === "log" ? low * (high / low) ** share : high * share ** POWERS[scale];
+  // The end itself may have more.
+  return String(share === 1 ? high : Number(number.toPrecision(3)));
 }

@@ -2,7 +2,7 @@
 
 import { curesOf, valueBeyond } from "../model/cures.js";
 import { numbersOf } from "../model/friction.js";
-import { byId, on, put, setText } from "../view/dom.js";
+import { byId, data, on, put, setText } from "../view/dom.js";
 import { whenSeen } from "../view/seen.js";
 import { digits, quantity, withoutNoughts } from "../view/units.js";
 
@@ -13,15 +13,9 @@ const MOST_ZETA = 0.5;
 /** A damping ratio that is often met. */
 const USUAL_ZETA = 0.03;
 
-/** @type {Record<string, {name: string, kind?: string}>} how a parameter is called and shown */
-const LEVERS = {
-  k: { name: "stiffness", kind: "stiffness" },
-  c: { name: "damping", kind: "damping" },
-  v: { name: "speed", kind: "velocity" },
-  mu_k: { name: "kinetic friction" },
-  load: { name: "normal force", kind: "force" },
-  m: { name: "mass", kind: "mass" },
-};
+/** @type {(parameter: string) => Control} what a parameter is set by: of the load, the normal force */
+const controlOf = (parameter) =>
+  data.controls.find(({ name }) => name === (parameter === "load" ? "N" : parameter));
 const ENDS_FIRST = { words: "ends the cycle first" };
 /** What is left at c = 0 without gap or normal force: no even sliding. */
 const TOUCHES_REST = "it swings and touches rest";
@@ -48,8 +42,7 @@ export function makeCures(page) {
   function set(values, what, button) {
     const from = stillTried() ? tried.from : page.solution();
     try {
-      if (stillTried()) page.set(from.motion.p);
-      page.set(values, { ghost: true });
+      page.set(values, { over: stillTried() ? from.motion.p : {} });
     } catch (error) {
       return setText(told, error.message);
     }
@@ -64,7 +57,7 @@ export function makeCures(page) {
 
   /** @type {(cell: HTMLTableCellElement, parameter: string) => (offer: Offer, text: string, aim: string) => void} */
   function makeCell(cell, parameter) {
-    const { name } = LEVERS[parameter];
+    const name = controlOf(parameter).label.toLowerCase();
     const button = document.createElement("button");
     const note = document.createElement("span");
     note.className = "small";
@@ -87,7 +80,7 @@ export function makeCures(page) {
     };
   }
 
-  return whenSeen(byId("cures"), (/** @type {Solution} */ solution) => {
+  return whenSeen("cures", page, [], (solution) => {
     if (!stillTried()) tried = null;
     back.hidden = !tried;
     const { p } = (tried?.from ?? solution).motion;
@@ -153,9 +146,8 @@ function changeOf(p, { name, parameter, now }, value) {
 
 /** The value of a parameter with its unit, without needless zeros; of the load, the normal force. */
 function leverInWords(p, parameter, value) {
-  const { kind } = LEVERS[parameter];
   const shown = parameter === "load" ? p.m * p.g + value : value;
-  return withoutNoughts(kind ? quantity(shown, kind) : digits(shown));
+  return withoutNoughts(quantity(shown, controlOf(parameter).kind));
 }
 
 /** @type {(p: Setting, found: Cures) => string} */

@@ -3,10 +3,10 @@
 import { regimesOf } from "../model/regimes.js";
 import { CURVE_POINTS, coefficientAt } from "../model/curve.js";
 import { save } from "../keeping/keeping.js";
-import { axisOf, logAxis } from "../view/axis.js";
+import { axisOf, decades, logAxis } from "../view/axis.js";
 import { byId, draw, on, put, setText } from "../view/dom.js";
 import { makeFrame, polyline, px, write } from "../view/frame.js";
-import { makeDraggable, putKnob } from "../view/knob.js";
+import { makeKnob } from "../view/knob.js";
 import { whenSeen } from "../view/seen.js";
 import { quantity } from "../view/units.js";
 import { drawBar, nameOfRegime, regimesInWords } from "./bar.js";
@@ -53,7 +53,7 @@ export function makeFriction(page, curves, starts, reader) {
     knob.className = "knob";
     const label = `Point ${n + 1}: left and right change the speed, up and down μ`;
     put(knob, { role: "slider", tabindex: 0, "aria-label": label });
-    svg.parentElement.insertBefore(knob, speed);
+    speed.before(knob);
     on(knob, "focus", () => (chosen = n));
     return knob;
   });
@@ -65,15 +65,13 @@ export function makeFriction(page, curves, starts, reader) {
   let regimes = [];
   let chosen = 1;
   let waiting = 0;
-  let sized = false;
   let key = "";
 
   /** @param {Solution} solution */
   function show({ motion, v_c }) {
-    if (!sized) return;
     const { p, curve } = motion;
     points = curve ?? [[0, p.mu_k], [Number((5 * p.v).toPrecision(1)), p.mu_k]];
-    if (!held.some((isHeld) => isHeld())) span = spanOf(p, points);
+    if (!handles.some(({ isHeld }) => isHeld())) span = spanOf(p, points);
     const coefficients = { ...axisOf([0, span.top], "number", "μ", 0), title: "μ" };
     frame.scale(logAxis(span.low, span.high, "velocity", "speed"), coefficients);
     const { left, right, width } = frame.area;
@@ -89,13 +87,13 @@ export function makeFriction(page, curves, starts, reader) {
       knob.hidden = n >= points.length;
       if (knob.hidden) return;
       const [u, mu] = points[n];
-      putKnob(knob, n ? frame.x(u) : left, frame.y(mu));
-      tell(knob, mu, 0, span.top, `${quantity(u, "velocity")}, μ ${mu}`);
+      const words = `${quantity(u, "velocity")}, μ ${mu}`;
+      handles[n].put(n ? frame.x(u) : left, frame.y(mu), mu, [0, span.top], words);
     });
     byId("point-more").disabled = points.length === CURVE_POINTS.most;
     byId("point-less").disabled = points.length === CURVE_POINTS.least;
     buttons.forEach((button, n) => {
-      put(button, { "aria-pressed": `${curve}` === `${n ? curves[n - 1].points : null}` });
+      put(button, { "aria-pressed": page.isUsed({}, n ? curves[n - 1].points : null) });
     });
     const [control, ...others] = notes;
     setText(control, curve ? "Not used: a friction curve is set." : "");
@@ -110,10 +108,10 @@ export function makeFriction(page, curves, starts, reader) {
       setText(bad, "");
       lay(COARSE);
     }
-    putKnob(speed, px(frame.x(p.v)), svg.clientHeight + 38);
     const regime = regimes.find(({ high }) => p.v <= high) ?? regimes[0];
     const words = `${quantity(p.v, "velocity")}, ${nameOfRegime(regime)}`;
-    tell(speed, p.v, span.low, span.high, words);
+    const ends = [span.low, span.high];
+    handles[knobs.length].put(frame.x(p.v), svg.clientHeight + 38, p.v, ends, words);
     setText(byId("friction-said"), regimesInWords(regimes, p.v, motion.slip.settles()));
 
     /** @type {(step: number) => void} the bar, and again with all detail once nothing moves */
@@ -154,33 +152,23 @@ export function makeFriction(page, curves, starts, reader) {
     take({}, next);
   }
 
-  const held = [...knobs, speed].map((knob, at) => {
+  const handles = [...knobs, speed].map((knob, at) => {
     const n = knob === speed ? -1 : at;
     const now = () => (n < 0 ? [page.setting().v, 0] : (page.curve() ?? points)[n]);
-    on(knob, "keydown", (event) => {
-      const more = event.shiftKey ? MORE : 1;
-      const [right, up] = {
-        ArrowRight: [1, 0],
-        ArrowLeft: [-1, 0],
-        ArrowUp: [n < 0 ? 1 : 0, 1],
-        ArrowDown: [n < 0 ? -1 : 0, -1],
-        Delete: [0, 0],
-      }[event.key] ?? [];
-      if (right === undefined) return;
-      event.preventDefault();
-      if (event.key === "Delete") return n > 0 && byId("point-less").click();
-      const [u, mu] = now();
-      move(n, u * KEY_FACTOR ** (right * more), mu + up * KEY_MU * more);
-    });
-    return makeDraggable(
-      knob,
-      () => {
+    return makeKnob(knob, {
+      place() {
         const [u, mu] = now();
         return [frame.x(u || span.low), frame.y(mu)];
       },
-      (x, y) => move(n, frame.valueAtX(x), frame.valueAtY(y)),
-      () => show(page.solution()),
-    );
+      move: (x, y) => move(n, frame.valueAtX(x), frame.valueAtY(y)),
+      step(right, up) {
+        const [u, mu] = now();
+        move(n, u * KEY_FACTOR ** (n < 0 ? right + up : right), mu + up * KEY_MU);
+      },
+      more: MORE,
+      keys: { Delete: () => n > 0 && byId("point-less").click() },
+      drop: () => show(page.solution()),
+    });
   });
 
   buttons.forEach((button, n) => {
@@ -214,18 +202,7 @@ export function makeFriction(page, curves, starts, reader) {
   });
   on(byId("friction-save"), "click", () => save("curve.csv", tableOf(points), "text/csv"));
 
-  new ResizeObserver(() => {
-    frame.resize();
-    sized = true;
-    show(page.solution());
-  }).observe(svg);
-  return whenSeen(byId("friction"), show);
-}
-
-/** What a knob says to who cannot see it. */
-function tell(knob, now, least, most, words) {
-  put(knob, { "aria-valuenow": now, "aria-valuemin": least, "aria-valuemax": most });
-  put(knob, { "aria-valuetext": words });
+  return whenSeen("friction", page, [frame], show);
 }
 
 /**
@@ -234,11 +211,8 @@ function tell(knob, now, least, most, words) {
  */
 function spanOf({ v, mu_s }, points) {
   const [least, most] = [Math.min(v, points[1][0]), Math.max(v, points[points.length - 1][0])];
-  return {
-    low: Number(`1e${Math.floor(Math.log10(least / 3))}`),
-    high: Number(`1e${Math.ceil(Math.log10(most * 1.5))}`),
-    top: 1.25 * Math.max(mu_s, ...points.map(([, mu]) => mu)) || 1,
-  };
+  const top = 1.25 * Math.max(mu_s, ...points.map(([, mu]) => mu)) || 1;
+  return { ...decades(least / 3, 1.5 * most), top };
 }
 
 /**

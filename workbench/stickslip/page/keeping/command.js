@@ -1,31 +1,23 @@
 /** The command line that repeats a run. */
 
+import { data } from "../view/dom.js";
 import { scaleFor, shortest } from "../view/units.js";
 
-/** The parameters of the command, each with the scales of its units; the first are always named. */
-const KINDS = {
-  k: "stiffness",
-  v: "velocity",
-  mu_s: "number",
-  mu_k: "number",
-  m: "mass",
-  g: "number",
-  c: "damping",
-  load: "force",
-};
+/** Options that are named even where they are as the FMU starts. */
 const ALWAYS = ["k", "v", "mu_s", "mu_k"];
 
 /**
  * The command that repeats a run up to a time [s], or up to 1 % later: one line for a shell, whose
  * numbers Python reads back as the very same doubles. What is as the FMU starts is left out; in the
  * place of mu_k may be a friction curve, saved as curve.csv.
- * @type {(p: Setting, starts: Setting, to: number, reader: Reader, isCurved: boolean) => string}
+ * @type {(p: Setting, to: number, reader: Reader, isCurved: boolean) => string}
  */
-export function commandLine(p, starts, to, reader, isCurved) {
-  const options = Object.keys(KINDS)
-    .filter((name) => !(isCurved && name === "mu_k"))
-    .filter((name) => ALWAYS.includes(name) || p[name] !== starts[name])
-    .map((name) => `--${name.replace("_", "-")} ${asTyped(p[name], KINDS[name], reader)}`);
+export function commandLine(p, to, reader, isCurved) {
+  const options = data.controls
+    .filter(({ start }) => start !== undefined)
+    .filter(({ name }) => !(isCurved && name === "mu_k"))
+    .filter(({ name, start }) => ALWAYS.includes(name) || p[name] !== start)
+    .map(({ name, kind }) => `--${name.replace("_", "-")} ${asTyped(p[name], kind, reader)}`);
   const law = isCurved ? "--law stribeck --curve curve.csv " : "";
   return `stickslip simulate ${law}${options.join(" ")} --stop-time ${rounded(to)}`;
 }

@@ -24,9 +24,9 @@ function settingInWords({ k, v, mu_s, mu_k, m, g, load, c }, curve) {
 
 /**
  * Returns refresh(): after another setting or stretch of time.
- * @type {(page: Page, stretch: Stretch, starts: Setting, reader: Reader) => {refresh: () => void}}
+ * @type {(page: Page, stretch: Stretch, reader: Reader) => {refresh: () => void}}
  */
-export function makeKeeping(page, stretch, starts, reader) {
+export function makeKeeping(page, stretch, reader) {
   const command = byId("command");
   const said = byId("keep-said");
 
@@ -106,7 +106,7 @@ export function makeKeeping(page, stretch, starts, reader) {
   return {
     refresh() {
       const { p, curve } = page.solution().motion;
-      setText(command, commandLine(p, starts, stretch.to, reader, curve !== null));
+      setText(command, commandLine(p, stretch.to, reader, curve !== null));
     },
   };
 }

@@ -1,14 +1,15 @@
 /** The jump over the speed: the exact curve, the handbooks' constant and the present point. */
 
 import { jumpOverSpeed, slowJump } from "../model/maps.js";
-import { logAxis } from "../view/axis.js";
+import { decades, logAxis } from "../view/axis.js";
 import { byId, draw, put, setText } from "../view/dom.js";
 import { makeFrame, polyline, px, write } from "../view/frame.js";
+import { whenSeen } from "../view/seen.js";
 import { digits, quantity } from "../view/units.js";
 
-/** @type {(svg: SVGSVGElement) => {frame: Frame, show: (solution: Solution) => void}} */
-export function makeJumpMap(svg) {
-  const frame = makeFrame(svg);
+/** @type {(page: Page) => (solution: Solution) => void} returns what shows a solution */
+export function makeJumpMap(page) {
+  const frame = makeFrame(byId("jump-map"));
   const said = byId("jump-map-said");
   const here = draw(frame.curves, "path", { class: "cursor" });
   const constant = draw(frame.curves, "path", { class: "threshold" });
@@ -53,7 +54,7 @@ export function makeJumpMap(svg) {
     write(endName, words, Math.max(x + 4, frame.area.left + 130), y - 11);
   }
 
-  return { frame, show };
+  return whenSeen("maps", page, [frame], show);
 }
 
 /**
@@ -63,10 +64,8 @@ export function makeJumpMap(svg) {
  */
 function speeds(v, v_c, ofGap) {
   const known = v_c > 0 && v_c < Infinity ? v_c : ofGap || v;
-  return {
-    low: 10 ** Math.floor(Math.log10(Math.min(v / 1.3, known / 20))),
-    high: 10 ** Math.ceil(Math.log10(Math.max(v, known * (v_c < Infinity ? 1 : 5)) * 1.2)),
-  };
+  const fastest = Math.max(v, known * (v_c < Infinity ? 1 : 5));
+  return decades(Math.min(v / 1.3, known / 20), 1.2 * fastest);
 }
 
 function jumpInWords(p, { exists, delta_x }, v_c, constant) {

@@ -4,8 +4,9 @@ import { numbersOf } from "../model/friction.js";
 import { criticalCurve, equalJump } from "../model/maps.js";
 import { logAxis } from "../view/axis.js";
 import { byId, draw, on, put, setText } from "../view/dom.js";
-import { hatched, makeFrame, polyline, px, write } from "../view/frame.js";
-import { makeDraggable, putKnob } from "../view/knob.js";
+import { hatched, makeFrame, makeTexts, polyline, px, write } from "../view/frame.js";
+import { makeKnob } from "../view/knob.js";
+import { whenSeen } from "../view/seen.js";
 import { quantity, withoutNoughts } from "../view/units.js";
 
 /** @typedef {{low: number, high: number}} Span SI */
@@ -16,25 +17,23 @@ const DECADES = 4;
 const EDGE = 0.06;
 /** Lines of equal jump are drawn this often at most while a slider is dragged [ms]. */
 const LINES_EVERY = 150;
-/** An arrow key changes a parameter by this factor, a page key by the larger. */
+/** An arrow key changes a parameter by this factor; a page key, or Shift, by so many of them. */
 const KEY_STEP = 10 ** (1 / 40);
-const PAGE_STEP = 10 ** (1 / 4);
+const PAGE = 10;
 /** Room for the words of the free region [px]. */
 const ROOM_FOR_WORDS = 30;
 const MOST_LINES = 9;
 
-/** @type {(svg: SVGSVGElement, page: Page) => {frame: Frame, show: (solution: Solution) => void}} */
-export function makePlane(svg, page) {
+/** @type {(page: Page) => (solution: Solution) => void} returns what shows a solution */
+export function makePlane(page) {
+  const svg = byId("plane");
   const frame = makeFrame(svg);
-  const said = byId("plane-said");
-  const point = byId("plane-point");
   draw(hatched(svg, "plane-hatch", 7), "path", { class: "free-line", d: "M0 0V7" });
   const free = draw(frame.under, "path", { fill: "url(#plane-hatch)" });
   const lines = draw(frame.curves, "path", { class: "level" });
   const curve = draw(frame.curves, "path", { class: "curve mass" });
   const words = draw(frame.over, "text", { class: "note", "text-anchor": "middle" });
-  /** @type {Element[]} */
-  const names = [];
+  const nameLines = makeTexts(frame.over, { class: "note" });
   /** @type {{k: Span, v: Span} | null} */
   let spans = null;
   /** @type {Setting} */
@@ -49,22 +48,18 @@ export function makePlane(svg, page) {
   /** @param {Solution} solution */
   function show({ motion, v_c }) {
     p = motion.p;
-    if (!isHeld()) spans = { k: spanFor(p.k, spans?.k), v: spanFor(p.v, spans?.v) };
+    if (!knob.isHeld()) spans = { k: spanFor(p.k, spans?.k), v: spanFor(p.v, spans?.v) };
     const now = key();
     if (now !== drawn) {
       drawn = now;
       drawPlane();
       waiting ||= setTimeout(drawLines, LINES_EVERY);
     }
-    putKnob(point, frame.x(p.k), frame.y(p.v));
     const values = `k ${quantity(p.k, "stiffness")}, v ${quantity(p.v, "velocity")}`;
-    put(point, {
-      "aria-valuenow": Math.log10(p.k).toFixed(3),
-      "aria-valuemin": Math.log10(spans.k.low),
-      "aria-valuemax": Math.log10(spans.k.high),
-      "aria-valuetext": `${values}, ${motion.cycle.exists ? "stick-slip" : "no stick-slip"}`,
-    });
-    setText(said, planeInWords(p, v_c, values));
+    const told = `${values}, ${motion.cycle.exists ? "stick-slip" : "no stick-slip"}`;
+    const [place, ...range] = [p.k, spans.k.low, spans.k.high].map(Math.log10);
+    knob.put(frame.x(p.k), frame.y(p.v), place, range, told);
+    setText(byId("plane-said"), planeInWords(p, v_c, values));
   }
 
   /** @type {(values: {k: number, v: number}) => [x: number, y: number]} [px] */
@@ -107,22 +102,21 @@ export function makePlane(svg, page) {
     waiting = 0;
     const { left, right, top, bottom } = frame.area;
     let path = "";
-    let used = 0;
+    /** @type {Note[]} */
+    const names = [];
     for (const jump of levels(p, spans)) {
       const points = equalJump(p, jump, spans.v.low, spans.v.high).map(placeOf);
       path += polyline(points);
       const seen = points.find(
         ([x, y]) => x > left + 18 && x < right - 18 && y < bottom - 4 && y > top + 22,
       );
-      if (!seen) continue;
-      names[used] ??= draw(frame.over, "text", { class: "note", "text-anchor": "middle" });
-      write(names[used++], withoutNoughts(quantity(jump, "length")), ...seen);
+      if (seen) names.push([withoutNoughts(quantity(jump, "length")), ...seen]);
     }
-    for (const name of names.splice(used)) name.remove();
+    nameLines(names);
     put(lines, { d: path });
   }
 
-  /** @type {(values: {k: number, v: number}) => void} */
+  /** @type {(values: Partial<Setting>) => void} */
   function move(values) {
     const rounded = Object.entries(values).map(([name, value]) => [name, Number(value.toPrecision(3))]);
     try {
@@ -141,33 +135,31 @@ export function makePlane(svg, page) {
     });
   }
 
-  // The axes follow once the point is let go, so that it stays under the pointer.
-  const drop = () => show(page.solution());
-  const isHeld = makeDraggable(point, () => placeOf(p), moveTo, drop);
   on(svg, "click", ({ clientX, clientY }) => {
     const box = svg.getBoundingClientRect();
     moveTo(clientX - box.left, clientY - box.top);
   });
-  on(point, "keydown", (event) => {
-    const step = event.shiftKey ? PAGE_STEP : KEY_STEP;
+  /** @type {(right: number, up: number) => void} */
+  const step = (right, up) => {
     // What is shown may be a few presses behind.
-    const now = page.setting();
-    const [k, v] = {
-      ArrowRight: [step, 1],
-      ArrowLeft: [1 / step, 1],
-      ArrowUp: [1, step],
-      ArrowDown: [1, 1 / step],
-      PageUp: [1, PAGE_STEP],
-      PageDown: [1, 1 / PAGE_STEP],
-      Home: [spans.k.low / now.k, 1],
-      End: [spans.k.high / now.k, 1],
-    }[event.key] ?? [0, 0];
-    if (!k) return;
-    event.preventDefault();
-    move({ k: now.k * k, v: now.v * v });
+    const { k, v } = page.setting();
+    move({ k: k * KEY_STEP ** right, v: v * KEY_STEP ** up });
+  };
+  const knob = makeKnob(byId("plane-point"), {
+    place: () => placeOf(p),
+    move: moveTo,
+    step,
+    more: PAGE,
+    keys: {
+      PageUp: () => step(0, PAGE),
+      PageDown: () => step(0, -PAGE),
+      Home: () => move({ k: spans.k.low }),
+      End: () => move({ k: spans.k.high }),
+    },
+    // The axes follow once the point is let go, so that it stays under the pointer.
+    drop: () => show(page.solution()),
   });
-
-  return { frame, show };
+  return whenSeen("maps", page, [frame], show);
 }
 
 /**

@@ -5,7 +5,7 @@ import { on, put } from "../view/dom.js";
 
 /**
  * Returns what shows which sentence has set the stage.
- * @type {(page: Page, sentences: Sentence[], starts: Setting) => (solution: Solution) => void}
+ * @type {(page: Page, sentences: Sentence[], starts: Setting) => () => void}
  */
 export function makeSaid(page, sentences, starts) {
   let chosen = "";
@@ -14,17 +14,13 @@ export function makeSaid(page, sentences, starts) {
     const button = document.querySelector(`[data-said="${id}"]`);
     on(button, "click", () => {
       chosen = id;
-      if (before) page.set({ ...values, ...before }, { curve });
-      page.set(values, { ghost: !!before, from: from ?? "cycles", curve });
+      page.set(values, { over: before && { ...values, ...before }, from, curve });
     });
     return { id, button, curve, values: { ...values, mu_k: kineticInUse(values.mu_s, values.mu_k) } };
   });
-  return ({ motion }) => {
-    const { p } = motion;
+  return () => {
     for (const { id, button, values, curve } of rows) {
-      const isSet = id === chosen && `${curve}` === `${motion.curve}`;
-      const current = isSet && Object.keys(values).every((name) => values[name] === p[name]);
-      put(button, { "aria-pressed": current });
+      put(button, { "aria-pressed": id === chosen && page.isUsed(values, curve) });
     }
   };
 }

@@ -1,6 +1,6 @@
 /** The story: its steps, one at a time, each with a setting of its own and a link that opens it. */
 
-import { byId, on } from "../view/dom.js";
+import { byId, on, put } from "../view/dom.js";
 
 /**
  * The story changes no setting before the reader starts it.
@@ -16,7 +16,6 @@ export function makeStory(page, steps) {
   const links = document.querySelectorAll(".steps a");
   const [start, back, next] = ["start", "back", "next"].map((id) => byId(`story-${id}`));
   let shown = 0;
-  let started = false;
 
   function turn(at) {
     shown = at;
@@ -26,17 +25,12 @@ export function makeStory(page, steps) {
   }
 
   function open(at, moved) {
-    started = true;
     start.hidden = true;
     back.hidden = next.hidden = false;
     turn(at);
-    links.forEach((link, each) => {
-      if (each === at) link.setAttribute("aria-current", "step");
-      else link.removeAttribute("aria-current");
-    });
+    links.forEach((link, each) => put(link, { "aria-current": each === at ? "step" : "false" }));
     const { set, over, from, curve = null } = steps[at];
-    if (over) page.set(steps[over - 1].set, { curve: null });
-    page.set(set, { ghost: Boolean(over), from, curve });
+    page.set(set, { over: over && steps[over - 1].set, from, curve });
     if (moved) articles[at].querySelector("h3").focus();
   }
 
@@ -54,10 +48,8 @@ export function makeStory(page, steps) {
       return at >= 0;
     },
     address() {
-      const setting = page.setting();
-      const { set, curve = null } = steps[shown];
-      const own = Object.entries(set).every(([name, value]) => setting[name] === value);
-      return started && own && `${curve}` === `${page.curve()}` ? { step: shown + 1 } : null;
+      const { set, curve } = steps[shown];
+      return start.hidden && page.isUsed(set, curve) ? { step: shown + 1 } : null;
     },
   };
 }

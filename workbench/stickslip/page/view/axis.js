@@ -31,6 +31,12 @@ export function logAxis(low, high, kind, name) {
   return { low, high, size, title: `${name} in ${unit}`, log: true };
 }
 
+/** @type {(low: number, high: number) => {low: number, high: number}} whole decades about a range */
+export function decades(low, high) {
+  const [first, last] = [Math.floor(Math.log10(low)), Math.ceil(Math.log10(high))];
+  return { low: Number(`1e${first}`), high: Number(`1e${last}`) };
+}
+
 /** @type {(axis: Axis, value: number) => number} 0 at the lower end, 1 at the upper */
 export function shareAlong({ low, high, log }, value) {
   return log ? Math.log(value / low) / Math.log(high / low) : (value - low) / (high - low);

@@ -1,24 +1,26 @@
-/** A round handle on a chart, which a pointer drags. */
+/** A round handle on a chart, which a pointer drags and the arrow keys move. */
 
-import { on } from "./dom.js";
+import { on, put } from "./dom.js";
 import { px } from "./frame.js";
 
-/** @type {(knob: HTMLElement, x: number, y: number) => void} put a knob at a place [px] */
-export function putKnob(knob, x, y) {
-  knob.style.transform = `translate(${px(x)}px, ${px(y)}px)`;
-}
+const ARROWS = { ArrowRight: [1, 0], ArrowLeft: [-1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] };
 
 /**
- * Let a knob be dragged; it does not jump to the pointer that takes it.
+ * Bring a knob to life; it does not jump to the pointer that takes it.
  *
  * @param {HTMLElement} knob
- * @param {() => [x: number, y: number]} place where it is [px]
- * @param {(x: number, y: number) => void} move it is wanted there [px]
- * @param {() => void} drop it is let go
- * @returns {() => boolean} whether it is held
+ * @param {object} acts
+ * @param {() => number[]} acts.place where it is, x and y [px]
+ * @param {(x: number, y: number) => void} acts.move it is wanted there [px]
+ * @param {(right: number, up: number) => void} acts.step so many steps of an arrow key
+ * @param {number} acts.more with Shift a key is so many steps
+ * @param {Record<string, () => void>} acts.keys what other keys do
+ * @param {() => void} acts.drop it is let go
+ * @returns isHeld(); put(x, y, now, ends, words): at a place [px], with its value, least and most,
+ *   and words for who cannot see it
  */
-export function makeDraggable(knob, place, move, drop) {
-  /** @type {[x: number, y: number] | null} from the knob to the pointer [px] */
+export function makeKnob(knob, { place, move, step, more, keys, drop }) {
+  /** @type {number[] | null} from the knob to the pointer [px] */
   let grip = null;
   on(knob, "pointerdown", ({ clientX, clientY, pointerId }) => {
     const [x, y] = place();
@@ -32,5 +34,21 @@ export function makeDraggable(knob, place, move, drop) {
     grip = null;
     drop();
   });
-  return () => grip !== null;
+  on(knob, "keydown", (event) => {
+    const [right, up] = ARROWS[event.key] ?? [];
+    const count = event.shiftKey ? more : 1;
+    const act = right === undefined ? keys[event.key] : () => step(right * count, up * count);
+    if (!act) return;
+    event.preventDefault();
+    act();
+  });
+  return {
+    isHeld: () => grip !== null,
+    /** @type {(x: number, y: number, now: number, ends: number[], words: string) => void} */
+    put(x, y, now, [least, most], words) {
+      knob.style.transform = `translate(${px(x)}px, ${px(y)}px)`;
+      const range = { "aria-valuenow": now, "aria-valuemin": least, "aria-valuemax": most };
+      put(knob, { ...range, "aria-valuetext": words });
+    },
+  };
 }

@@ -1,36 +1,40 @@
 /** Parts of the page that are out of sight wait: what is seen is drawn first. */
 
+import { byId } from "./dom.js";
+
 /** What is out of sight is brought up to date once nothing has changed for this long [ms]. */
 const UNSEEN_STILL = 250;
 
 /**
- * What draws at once where the element is in sight, else when it comes into sight or nothing has
- * changed for a while.
- *
- * @template What
- * @param {Element} element where it is shown
- * @param {(what: What) => void} show draws it
- * @returns {(what: What) => void}
+ * What shows a solution in a section, once its frames have a size: at once where it is in sight, else
+ * when it comes into sight or nothing has changed for a while.
+ * @type {(id: string, page: Page, frames: Frame[], show: (solution: Solution) => void) =>
+ *   (solution: Solution) => void}
  */
-export function whenSeen(element, show) {
-  /** @type {What | null} */
+export function whenSeen(id, page, frames, show) {
+  /** @type {Solution | null} */
   let latest = null;
+  let sized = !frames.length;
   let inSight = false;
   let waiting = 0;
   const flush = () => {
     clearTimeout(waiting);
-    if (latest === null) return;
-    const what = latest;
+    if (latest && sized) show(latest);
     latest = null;
-    show(what);
   };
   new IntersectionObserver((entries) => {
     inSight = entries[entries.length - 1].isIntersecting;
     if (inSight) flush();
-  }).observe(element);
+  }).observe(byId(id));
   addEventListener("beforeprint", flush);
-  return (what) => {
-    latest = what;
+  const resizes = new ResizeObserver(() => {
+    for (const frame of frames) frame.resize();
+    sized = true;
+    show(page.solution());
+  });
+  for (const { svg } of frames) resizes.observe(svg);
+  return (solution) => {
+    latest = solution;
     if (inSight) return flush();
     clearTimeout(waiting);
     waiting = setTimeout(flush, UNSEEN_STILL);

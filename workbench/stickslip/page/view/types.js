@@ -13,11 +13,14 @@
  *   others stay; throws a RangeError with the reason if they are refused
  * @property {() => Setting} setting the values in use
  * @property {() => Curve | null} curve the friction curve in use, null for constant friction
+ * @property {(values: Partial<Setting>, curve?: Curve | null) => boolean} isUsed whether these
+ *   values [SI] are in use, with constant friction unless a curve is given
  * @property {() => Solution} solution the setting solved
  * @property {() => string} link an address of the page with the setting in use
  *
  * @typedef {object} Look how a new setting is looked at
- * @property {boolean} [ghost] the curves of the setting before stay as a ghost
+ * @property {Partial<Setting>} [over] values [SI] of the setting whose curves stay as a ghost; what
+ *   they leave out is as it is
  * @property {"cycles" | "start"} [from] steady cycles, or the first load-up too
  * @property {Curve | null} [curve] the friction curve, null for constant friction; without it the
  *   one in use stays
