@@ -115,8 +115,8 @@ def page(setting: Mapping[str, float] | None = None, address: str = "") -> str:
         curves=curves,
         # As JSON that can stand inside a script element.
         data=json.dumps(data, ensure_ascii=False, separators=(",", ":")).replace("</", "<\\/"),
-        # What paper hides, it hides in every part.
-        style="".join(map(_text, ["style.css", *_paths(".css"), "print.css"])),
+        # What the window and paper change, they change in every part.
+        style="".join(map(_text, ["style.css", *_paths(".css"), "windows.css", "print.css"])),
         chart_style=_text("chart.css"),
         script=joined({path: _text(path) for path in ["main.js", *_paths(".js")]}),
     )

@@ -17,12 +17,12 @@ const GAUGE_LETTER = 6.3;
  */
 export function makeGauge(svg) {
   const group = draw(svg, "g", { class: "gauge" });
-  const tie = draw(group, "path", { class: "tie" });
+  const tie = draw(group, "path", { class: "tie force" });
   const track = draw(group, "path", { class: "rail" });
-  const bar = draw(group, "rect", { class: "bar", height: THICK });
+  const bar = draw(group, "rect", { class: "bar force", height: THICK });
   const limit = draw(group, "path", { class: "limit" });
   const name = draw(group, "text", { class: "force" });
-  const words = draw(group, "text", { class: "threshold" });
+  const words = draw(group, "text", { class: "limit" });
   setText(name, "F");
   return ({ base, most, scale, shortest, ground, tall, level, width }, { numbers, z_s }) => {
     const y = ground - tall - ABOVE - THICK;

@@ -122,7 +122,7 @@ function reachOf({ curve, numbers, cycle, slip, z_s, z_even, first }, seen, way)
 
 /** Returns what stretches the spring from a place to a length [px]. */
 function makeSpring(svg) {
-  const spring = draw(svg, "polyline", { class: "spring" });
+  const spring = draw(svg, "polyline", { class: "spring force" });
   const lead = 8;
   return (left, length, { level, shortest, tall }) => {
     const bends = 2 * Math.floor((shortest - 2 * lead) / 4.4);
