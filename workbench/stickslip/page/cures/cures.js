@@ -2,6 +2,7 @@
 
 import { curesOf, valueBeyond } from "../model/cures.js";
 import { numbersOf } from "../model/friction.js";
+import { whyNone } from "../results/results.js";
 import { byId, data, on, put, setText } from "../view/dom.js";
 import { whenSeen } from "../view/seen.js";
 import { digits, quantity, withoutNoughts } from "../view/units.js";
@@ -13,25 +14,20 @@ const MOST_ZETA = 0.5;
 /** A damping ratio that is often met. */
 const USUAL_ZETA = 0.03;
 
+/** Of the row of the speed one way halves the jump, and the other ends the cycle. */
+const WAYS = { speed: ["slower", "faster"] };
 /** @type {(parameter: string) => Control} what a parameter is set by: of the load, the normal force */
 const controlOf = (parameter) =>
   data.controls.find(({ name }) => name === (parameter === "load" ? "N" : parameter));
-const ENDS_FIRST = { words: "ends the cycle first" };
-/** What is left at c = 0 without gap or normal force: no even sliding. */
-const TOUCHES_REST = "it swings and touches rest";
-const JUMP_GROWS = { words: "none: it grows" };
-const NO_CURE = { words: "–" };
 
 /** @type {(page: Page) => (solution: Solution) => void} returns what shows the cures of a solution */
 export function makeCures(page) {
-  const lead = byId("cures-lead");
   const told = byId("cures-said");
   const back = byId("cures-back");
-  const rows = [...document.querySelectorAll("[data-cure]")].map((/** @type {HTMLElement} */ row) => {
+  const rows = [...document.querySelectorAll("[data-cure]")].map((/** @type {any} */ row) => {
     const { cure, parameter } = row.dataset;
-    const [halve, end] = row.querySelectorAll("td");
-    const cells = [halve, end].map((cell) => makeCell(cell, parameter));
-    return { cure, parameter, now: row.querySelector(".now"), cells };
+    const cells = Array.from(row.querySelectorAll("td"), (cell) => makeCell(cell, parameter));
+    return { ways: WAYS[cure] ?? [cure, cure], parameter, now: row.querySelector(".now"), cells };
   });
   // While a cure is shown, what it was taken from, so that cures are compared and do not add up.
   /** @type {{from: Solution, cured: Setting, button: Element} | null} */
@@ -48,14 +44,15 @@ export function makeCures(page) {
     }
     tried = { from, cured: page.setting(), button };
     const { exists, delta_x } = page.solution().motion.cycle;
-    setText(told, `${what} ${exists ? `The jump is ${quantity(delta_x, "length")}.` : "It no longer sticks."}`);
+    const now = exists ? `The jump is ${quantity(delta_x, "length")}.` : "It no longer sticks.";
+    setText(told, `${what} ${now}`);
   }
   on(back, "click", () => {
     page.set(tried.from.motion.p);
     setText(told, "Set back.");
   });
 
-  /** @type {(cell: HTMLTableCellElement, parameter: string) => (offer: Offer, text: string, aim: string) => void} */
+  /** Returns what shows an offer in a cell: its value as a text, and what it is for. */
   function makeCell(cell, parameter) {
     const name = controlOf(parameter).label.toLowerCase();
     const button = document.createElement("button");
@@ -67,16 +64,14 @@ export function makeCures(page) {
       set({ [parameter]: value }, `The ${name} is ${button.textContent}.`, button);
     });
     cell.append(button, note);
-    return (offer, text, aim) => {
+    return (/** @type {Offer} */ offer, text, aim) => {
       value = offer.value;
       button.hidden = !text || offer.far;
       setText(button, text);
       setText(note, offer.far ? `${text}, ${offer.words}` : offer.words);
+      const label = `${name} ${text}, ${offer.words}: ${aim}`;
       const pressed = stillTried() && tried.button === button;
-      put(button, {
-        "aria-label": `${name} ${text}, ${offer.words}: ${aim}`,
-        "aria-pressed": pressed,
-      });
+      put(button, { "aria-label": label, "aria-pressed": pressed });
     };
   }
 
@@ -85,48 +80,36 @@ export function makeCures(page) {
     back.hidden = !tried;
     const { p } = (tried?.from ?? solution).motion;
     const found = curesOf(p);
-    setText(lead, curesInWords(p, found));
-    const offers = found.cures.length ? offersOf(p, found.cures) : null;
-    for (const { cure, parameter, now, cells } of rows) {
-      /** @type {(value: number | undefined) => string} */
-      const text = (value) => (value === undefined ? "" : leverInWords(p, parameter, value));
-      const [halve, end] = offers ? offers[cure] : [NO_CURE, NO_CURE];
-      setText(now, text(p[parameter]));
-      cells[0](halve, text(halve.value), "halves the jump");
-      cells[1](end, text(end.value), "ends the cycle");
+    setText(byId("cures-lead"), curesInWords(p, found));
+    for (const { ways, parameter, now, cells } of rows) {
+      setText(now, leverInWords(p, parameter, p[parameter]));
+      ["halves the jump", "ends the cycle"].forEach((aim, n) => {
+        const cure = found.cures.find(({ name }) => name === ways[n]);
+        const offer = cure ? [halving, ending][n](p, cure) : { words: "–" };
+        const isValue = offer.value !== undefined;
+        cells[n](offer, isValue ? leverInWords(p, parameter, offer.value) : "", aim);
+      });
     }
   });
 }
 
-/**
- * What the cells of each row offer.
- * @type {(p: Setting, cures: Cure[]) => Record<string, [halve: Offer, end: Offer]>}
- */
-function offersOf(p, cures) {
-  const { stiffer, softer, damping, slower, faster, gap, lighter, "normal force": force } =
-    /** @type {Record<string, Cure>} */ (Object.fromEntries(cures.map((cure) => [cure.name, cure])));
-  /** @type {(cure: Cure) => Offer} */
-  const halve = (cure) => {
-    if (cure.halve !== null) return { value: cure.halve, ...changeOf(p, cure, cure.halve) };
-    if (cure.end !== null) return ENDS_FIRST;
-    return { words: cure.least < 1 ? `none: ${Math.round(100 * cure.least)} % at best` : "none" };
-  };
-  /** @type {(cure: Cure, without: string) => Offer} */
-  const end = (cure, without) => {
-    if (cure.end === null) return { words: `none: ${without}` };
+/** @type {(p: Setting, cure: Cure) => Offer} what halves the jump */
+function halving(p, cure) {
+  if (cure.halve !== null) return { value: cure.halve, ...changeOf(p, cure, cure.halve) };
+  if (cure.name === "softer") return { words: "none: it grows" };
+  if (cure.end !== null) return { words: "ends the cycle first" };
+  return { words: cure.least < 1 ? `none: ${Math.round(100 * cure.least)} % at best` : "none" };
+}
+
+/** @type {(p: Setting, cure: Cure) => Offer} what ends the cycle */
+function ending(p, cure) {
+  if (cure.end !== null) {
     const value = valueBeyond(p, cure, cure.end);
     return { value, ...changeOf(p, cure, value) };
-  };
-  const never = (what) => `without damping no ${what} ends it`;
-  return {
-    stiffer: [halve(stiffer), end(stiffer, never("stiffness"))],
-    softer: [JUMP_GROWS, end(softer, never("stiffness"))],
-    damping: [halve(damping), end(damping, "")],
-    speed: [halve(slower), end(faster, never("speed"))],
-    gap: [halve(gap), end(gap, TOUCHES_REST)],
-    force: [halve(force), end(force, TOUCHES_REST)],
-    lighter: [halve(lighter), end(lighter, never("mass"))],
-  };
+  }
+  // At c = 0 no even sliding is left without gap or normal force.
+  if (["mu_k", "load"].includes(cure.parameter)) return { words: "none: it swings and touches rest" };
+  return { words: `none: without damping no ${controlOf(cure.parameter).kind} ends it` };
 }
 
 /** A change of a parameter in words, and whether it is out of reach. */
@@ -152,20 +135,10 @@ function leverInWords(p, parameter, value) {
 
 /** @type {(p: Setting, found: Cures) => string} */
 function curesInWords(p, { jump, v_c, cures }) {
-  const { zeta, Delta } = numbersOf(p);
-  if (cures.length) {
-    const usual = quantity(2 * USUAL_ZETA * Math.sqrt(p.k * p.m), "damping");
-    const hint =
-      " Without damping (c = 0) no stiffness and no speed ends it. " +
-      `A slide often has ζ = ${USUAL_ZETA}: here c = ${usual}.`;
-    const now = `Each change alone, the rest held. The jump is ${quantity(jump, "length")} now.`;
-    return p.c > 0 ? now : now + hint;
-  }
-  if (zeta >= 1) return `Nothing to suppress: with ζ = ${digits(zeta, 3)} no slip comes to rest.`;
-  if (!(Delta > 0)) return "Nothing to suppress: damping and no gap leave no cycle.";
-  const [pull, critical] = [p.v, v_c].map((each) => quantity(each, "velocity"));
-  return (
-    `Nothing to suppress: the pull of ${pull} is ${digits(p.v / v_c, 3)} times the critical ` +
-    `velocity ${critical}.`
-  );
+  if (!cures.length) return `Nothing to suppress: ${whyNone(p, v_c)}`;
+  const now = `Each change alone, the rest held. The jump is ${quantity(jump, "length")} now.`;
+  if (p.c > 0) return now;
+  const usual = quantity(2 * USUAL_ZETA * Math.sqrt(p.k * p.m), "damping");
+  const hint = `A slide often has ζ = ${USUAL_ZETA}: here c = ${usual}.`;
+  return `${now} Without damping (c = 0) no stiffness and no speed ends it. ${hint}`;
 }

@@ -1,6 +1,7 @@
 /** The numbers of the cycle: exact and simplified side by side, and how far they are apart. */
 
 import { contactOf } from "../model/chain.js";
+import { numbersOf } from "../model/friction.js";
 import { regimeAt } from "../model/regimes.js";
 import { byId, put, setText } from "../view/dom.js";
 import { digits, quantity, scaleFor } from "../view/units.js";
@@ -76,7 +77,7 @@ function inWords({ cycle, numbers, p, curve, slip }, v_c) {
       ? "It moves evenly: on this friction curve the slip from break-away calms down."
       : "It swings, without a stop: on this friction curve no slip comes to rest.";
   }
-  if (!cycle.exists) return `It moves evenly: ${whyNone(numbers, p, v_c)}`;
+  if (!cycle.exists) return `It moves evenly: ${whyNone(p, v_c)}`;
   const { delta_x, T, t_stick, t_slip } = cycle;
   const jump = `It jumps ${quantity(delta_x, "length")} every ${quantity(T, "time")}`;
   if (numbers.F_s === 0) return `${jump} and never sticks: there is no friction.`;
@@ -84,8 +85,9 @@ function inWords({ cycle, numbers, p, curve, slip }, v_c) {
   return `${jump}: sticks ${quantity(t_stick, "time")}, slips ${quantity(t_slip, "time")}.`;
 }
 
-/** @type {(numbers: Numbers, p: Setting, v_c: number) => string} */
-function whyNone({ zeta, Delta }, p, v_c) {
+/** @type {(p: Setting, v_c: number) => string} why constant friction leaves no cycle */
+export function whyNone(p, v_c) {
+  const { zeta, Delta } = numbersOf(p);
   if (zeta >= 1) return `the slip does not swing (ζ = ${digits(zeta, 3)}).`;
   if (Delta === 0) return "there is damping and no gap between μs and μk.";
   const [pull, critical] = [p.v, v_c].map((each) => quantity(each, "velocity"));

@@ -29,7 +29,7 @@ export function makePlayer(stretch, show, tell) {
   let last = 0;
   let frame = 0;
 
-  const now = () => stretch.from + (pointed ?? share) * stretch.span;
+  const now = () => stretch.from + (pointed ?? share) * stretch.span();
 
   function refresh() {
     scrub.value = Math.round(share * SCRUB_STEPS);
@@ -43,7 +43,7 @@ export function makePlayer(stretch, show, tell) {
     const passed = Math.min(Math.max(stamp - last, 0) / 1000, LONGEST_BREAK);
     last = stamp;
     if (pointed === null) {
-      const rate = speed.value === "view" ? 1 / VIEW : Number(speed.value) / stretch.span;
+      const rate = speed.value === "view" ? 1 / VIEW : Number(speed.value) / stretch.span();
       share = (share + rate * passed) % 1;
       refresh();
     }
@@ -75,7 +75,7 @@ export function makePlayer(stretch, show, tell) {
     refresh,
     /** @param {number | null} t [s] */
     point(t) {
-      pointed = t === null ? null : (t - stretch.from) / stretch.span;
+      pointed = t === null ? null : (t - stretch.from) / stretch.span();
       if (!playing) share = pointed ?? share;
       refresh();
     },

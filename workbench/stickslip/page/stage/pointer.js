@@ -26,7 +26,7 @@ export function listen(chart, stretch, { read, changed }) {
     return Math.min(Math.max(left, area.left), area.right);
   };
   /** @type {(place: number) => number} from [px] to [s] */
-  const timeAt = (place) => stretch.from + ((place - area.left) / area.width) * stretch.span;
+  const timeAt = (place) => stretch.from + ((place - area.left) / area.width) * stretch.span();
   const end = () => {
     began = null;
     chart.choose();

@@ -28,11 +28,7 @@ export function makeScene(svg) {
       for (const part of parts) put(part, { href: `#${id}-${part.dataset.part}` });
       said = words;
     },
-    /** @type {() => Shape} */
-    shape() {
-      const { wide, high, round } = byId(`${svg.dataset.drawing}-mass`).dataset;
-      return { wide: Number(wide), high: Number(high), round: Number(round) };
-    },
+    shape: () => byId(`${svg.dataset.drawing}-mass`).dataset,
     /** @type {(layout: Layout) => void} */
     lay({ width, ground, tall }) {
       const size = `scale(${tall / UNITS})`;

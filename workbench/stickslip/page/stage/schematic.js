@@ -75,15 +75,20 @@ export function makeSchematic(svg) {
   return { dress: scene.dress, arrange, show: (/** @type {State} */ state) => show(state) };
 }
 
-/** @type {(motion: Motion, seen: Stretch, width: number, height: number, shape: Shape) => Layout} */
-function layoutOf(motion, seen, width, height, { wide, high, round }) {
+/**
+ * What the parts are placed by [px]; base, most and way are the least and the largest extension that
+ * is drawn and the length of a window [m], scale is in px/m, round a part of the body's height.
+ * @type {(motion: Motion, seen: Stretch, width: number, height: number, shape: DOMStringMap) => any}
+ */
+export function layoutOf(motion, seen, width, height, shape) {
+  const [wide, high, round] = [shape.wide, shape.high, shape.round].map(Number);
   const ground = height - ROOM.below;
   const room = ground - ROOM.gauge - (width > 620 ? ROOM.caption : 0);
   const tall = Math.min(Math.max(Math.min(0.4 * height, room, width / 6 / wide), 34), 96);
   const [block, body] = [wide * tall, high * tall];
   const shortest = Math.min(Math.max(width / 22, 30), 54);
   const free = Math.max(width - ROOM.left - block - shortest - ROOM.pull, 40);
-  let { way } = seen;
+  let way = seen.way();
   let { base, most, end } = reachOf(motion, seen, way);
   // Where the picture is narrow it holds fewer jumps, so that each is seen as one.
   const stride = motion.cycle.exists ? motion.cycle.delta_x : way;

@@ -15,15 +15,13 @@ const LEAST_ZOOMED_IN = 1e-5;
 /**
  * Keep the stretch of time: the whole picture, until a person chooses another.
  *
- * @returns from, to [s], span; way: the length that the stage shows [m]; fit(motion, ghost)
+ * @returns from, to [s], span(); way(): the length that the stage shows [m]; fit(motion, ghost)
  *   after a new setting; choose(from, to), zoom(factor, at), move(share), reset(), fromStart(),
  *   release(from): the next setting chooses the picture
  */
 export function makeStretch() {
   /** @type {Motion} */
   let motion = null;
-  let from = 0;
-  let to = 1;
   /** @type {"cycles" | "start" | "chosen"} */
   let kind = "cycles";
   // Whether the next setting chooses the span, or keeps it as long as it can.
@@ -31,24 +29,15 @@ export function makeStretch() {
 
   /** @type {(span: number) => void} */
   const lay = (span) => {
-    from = kind === "start" ? 0 : cyclesBegin(motion);
-    to = from + span + (kind === "start" ? Math.min(motion.first, MOST * motion.beat) : 0);
+    const isStart = kind === "start";
+    stretch.from = isStart ? 0 : cyclesBegin(motion);
+    stretch.to = stretch.from + span + (isStart ? Math.min(motion.first, MOST * motion.beat) : 0);
     // A first load-up of many cycles would leave them no room.
-    if (kind === "start") to = Math.max(to, motion.first + 0.5 * span);
+    if (isStart) stretch.to = Math.max(stretch.to, motion.first + 0.5 * span);
   };
 
   /** @type {(start: number) => number} the latest end [s]: cycles count, the load-up does not */
   const latest = (start) => Math.max(start, motion.first) + MOST_ZOOMED_OUT * motion.beat;
-
-  /** @type {(...ends: number[]) => void} start and end [s] */
-  function choose(start, end) {
-    const shortest = Math.max(LEAST_ZOOMED_IN * motion.slip.scale, 1e-9 * end);
-    const span = Math.max(end - start, shortest);
-    // What is too short is set right about its middle.
-    from = Math.max(0.5 * (start + end) - 0.5 * span, 0);
-    to = Math.min(from + span, latest(from));
-    kind = "chosen";
-  }
 
   /** @type {(wanted: "cycles" | "start") => void} */
   function showWhole(wanted) {
@@ -56,27 +45,20 @@ export function makeStretch() {
     lay(usual(motion));
   }
 
-  return {
-    get from() {
-      return from;
-    },
-    get to() {
-      return to;
-    },
-    get span() {
-      return to - from;
-    },
+  const stretch = {
+    from: 0,
+    to: 1,
+    span: () => stretch.to - stretch.from,
     /** The length of way that the stage shows: that of the charts, for some cycles at a time. */
-    get way() {
+    way() {
       const stride = motion.cycle.exists ? motion.cycle.delta_x : motion.p.v * motion.beat;
-      const cycles = (to - from) / motion.beat;
-      return stride * Math.min(Math.max(cycles, FEWEST), MOST);
+      return stride * Math.min(Math.max(stretch.span() / motion.beat, FEWEST), MOST);
     },
     /** @type {(next: Motion, ghost: Motion | null) => void} the ghost is shown beside it */
     fit(next, ghost) {
-      const span = to - from;
+      const span = stretch.span();
       motion = next;
-      if (kind === "chosen" && to <= latest(from)) return;
+      if (kind === "chosen" && stretch.to <= latest(stretch.from)) return;
       if (kind === "chosen") kind = "cycles";
       const cycles = span / motion.beat;
       if (free) {
@@ -91,19 +73,28 @@ export function makeStretch() {
       kind = wanted;
       free = true;
     },
-    choose,
+    /** @type {(...ends: number[]) => void} start and end [s] */
+    choose(start, end) {
+      const shortest = Math.max(LEAST_ZOOMED_IN * motion.slip.scale, 1e-9 * end);
+      const span = Math.max(end - start, shortest);
+      // What is too short is set right about its middle.
+      stretch.from = Math.max(0.5 * (start + end) - 0.5 * span, 0);
+      stretch.to = Math.min(stretch.from + span, latest(stretch.from));
+      kind = "chosen";
+    },
     /** @type {(factor: number, at?: number) => void} grow about what stays in place [s] */
-    zoom(factor, at = 0.5 * (from + to)) {
-      choose(at - (at - from) * factor, at + (to - at) * factor);
+    zoom(factor, at = 0.5 * (stretch.from + stretch.to)) {
+      stretch.choose(at - (at - stretch.from) * factor, at + (stretch.to - at) * factor);
     },
     /** @param {number} share of the stretch [1] */
     move(share) {
-      const step = Math.max(share * (to - from), -from);
-      choose(from + step, to + step);
+      const step = Math.max(share * stretch.span(), -stretch.from);
+      stretch.choose(stretch.from + step, stretch.to + step);
     },
     reset: () => showWhole("cycles"),
     fromStart: () => showWhole("start"),
   };
+  return stretch;
 }
 
 /**

@@ -49,26 +49,7 @@
  * @typedef {ReturnType<typeof import("./frame.js").makeFrame>} Frame
  * @typedef {ReturnType<typeof import("../stage/timecharts.js").makeChart>} Chart
  * @typedef {ReturnType<typeof import("./spelled.js").makeReader>} Reader
- *
- * @typedef {object} Shape of the body in a drawing, whose height is 1
- * @property {number} wide
- * @property {number} high
- * @property {number} round radius of its corners, as a part of its height
- *
- * @typedef {object} Layout what the parts of the schematic are placed by
- * @property {number} width of the picture [px]
- * @property {number} ground height of the ground [px]
- * @property {number} left of the block at the start of a window [px]
- * @property {number} block width of the block [px]
- * @property {number} body height of its body [px]
- * @property {number} round radius of its corners, as a part of that height
- * @property {number} tall height of its drawing [px]
- * @property {number} level height of the spring [px]
- * @property {number} shortest length of the spring at its least extension [px]
- * @property {number} base the least extension that is drawn [m]
- * @property {number} most the largest extension [m]
- * @property {number} way length of a window [m]
- * @property {number} scale [px/m]
+ * @typedef {ReturnType<typeof import("../stage/schematic.js").layoutOf>} Layout of the schematic
  *
  * @typedef {Setting & {id: string, cures: (Partial<Setting> | null)[]}} Application
  * @typedef {any} Control a row of the page's controls, as controls.toml explains it
