@@ -47,8 +47,6 @@ let isDue = false;
 let linked = false;
 /** @type {Motion | null} the setting before, for comparison */
 let ghost = null;
-// The size of the schematic [px]; asking the browser at every redraw would cost a layout.
-let scene = { width: 0, height: 0 };
 
 const player = makePlayer(
   seen,
@@ -124,16 +122,14 @@ const constantPage = { ...page, solution: () => solution.constant };
 const story = makeStory(page, data.steps);
 
 const sound = makeSound(page);
-const ofConstant = [makeCures, makeJumpMap, makePlane].map((make) => make(constantPage));
 /** @type {((solution: Solution) => void)[]} each shows a solution in its section of the page */
 const sections = [
   makeApplications(page, data.applications),
   sound.show,
   makeSaid(page, data.sentences, controls.starts),
   makeFriction(page, data.curves, controls.starts, reader),
-  ...ofConstant.map((show) => ({ constant }) => show(constant)),
 ];
-
+const ofConstant = [makeCures, makeJumpMap, makePlane].map((make) => make(constantPage));
 const keeping = makeKeeping(page, seen, reader);
 
 function redrawSoon() {
@@ -153,24 +149,22 @@ function redraw() {
   redrawTime();
   address.write(place());
   for (const show of sections) show(solution);
+  for (const show of ofConstant) show(solution.constant);
 }
 
 /** Draw what depends on the stretch of time. */
 function redrawTime() {
   charts.show(solution.motion, seen, ghost);
-  schematic.arrange(solution.motion, seen, scene.width, scene.height);
+  schematic.arrange(solution.motion, seen);
   readouts.fit(solution.motion, seen);
   keeping.refresh();
   player.refresh();
 }
 
 function resize() {
-  const { clientWidth, clientHeight } = byId("schematic");
-  scene = { width: clientWidth, height: clientHeight };
   // Tell the style how much of the window the stage covers.
   document.documentElement.style.setProperty("--covered", `${byId("stage").offsetHeight}px`);
-  charts.resize();
-  portrait.resize();
+  for (const drawing of [schematic, charts, portrait]) drawing.resize();
   redraw();
 }
 

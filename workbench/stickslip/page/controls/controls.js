@@ -2,7 +2,7 @@
 
 import { kineticInUse, kineticStop, numbersOf } from "../model/friction.js";
 import { byId, on, setText } from "../view/dom.js";
-import { scaleFor, shortest } from "../view/units.js";
+import { brief, scaleFor, shortest } from "../view/units.js";
 import { numberAt, placeSlider, sliderEnds } from "./slider.js";
 import { outOfRange, readTyped, typedText } from "./typed.js";
 
@@ -35,6 +35,7 @@ export function makeControls(table, reader, accept) {
   function makeRow(control) {
     const { name } = control;
     const box = byId(`${name}-control`);
+    /** @type {any} its elements; later, how its value is shown and written */
     const row = {
       control,
       text: byId(name),
@@ -43,12 +44,6 @@ export function makeControls(table, reader, accept) {
       track: box.querySelector(".track"),
       ends: box.querySelectorAll(".ends span"),
       said: box.querySelector(".said"),
-      scale: null,
-      shown: null,
-      state: null,
-      written: null,
-      waiting: 0,
-      named: false,
     };
     on(row.slider, "input", () => slide(row));
     on(row.slider, "blur", () => show(row, null, false));
@@ -109,7 +104,7 @@ export function makeControls(table, reader, accept) {
     setting = used;
     wanted = next;
     for (const row of rows) show(row, from);
-    const [weight, load] = [used.m * used.g, used.load].map(short);
+    const [weight, load] = [used.m * used.g, used.load].map((force) => brief(force, "force"));
     setText(byId("N-parts"), `weight ${weight} + load ${load}`);
     return null;
   }
@@ -134,8 +129,8 @@ export function makeControls(table, reader, accept) {
     const isKinetic = control.name === "mu_k";
     const value = valueOf(row);
     // The unit of a plain number must not change under the hands of who types it.
-    const long = !fresh && Math.abs(value / row.scale.size);
-    const isUnwieldy = long >= WIELDY.most || (long > 0 && long < WIELDY.least);
+    const shown = !fresh && Math.abs(value / row.scale.size);
+    const isUnwieldy = shown >= WIELDY.most || (shown > 0 && shown < WIELDY.least);
     if (fresh || (row !== from && isUnwieldy)) row.scale = scaleFor(value, control.kind);
     const note = isKinetic ? clampNote() : "";
     const state = `${value} ${row.scale.unit} ${isKinetic ? setting.mu_s : ""} ${note}`;
@@ -208,10 +203,4 @@ export function makeControls(table, reader, accept) {
   }
 
   return { setting: () => setting, wanted: () => wanted, objectionTo, set, starts };
-}
-
-/** A force in four digits. */
-function short(force) {
-  const { size, unit } = scaleFor(force, "force");
-  return `${shortest(Number((force / size).toPrecision(4))).replace("-", "−")}\u00a0${unit}`;
 }

@@ -5,7 +5,7 @@ import { numbersOf } from "../model/friction.js";
 import { whyNone } from "../results/results.js";
 import { byId, data, on, put, setText } from "../view/dom.js";
 import { whenSeen } from "../view/seen.js";
-import { digits, quantity, withoutNoughts } from "../view/units.js";
+import { brief, digits, quantity } from "../view/units.js";
 
 /** A parameter that changes by more than this factor is out of reach of a design. */
 const REACH = 100;
@@ -130,7 +130,7 @@ function changeOf(p, { name, parameter, now }, value) {
 /** The value of a parameter with its unit, without needless zeros; of the load, the normal force. */
 function leverInWords(p, parameter, value) {
   const shown = parameter === "load" ? p.m * p.g + value : value;
-  return withoutNoughts(quantity(shown, controlOf(parameter).kind));
+  return brief(shown, controlOf(parameter).kind);
 }
 
 /** @type {(p: Setting, found: Cures) => string} */

@@ -23,7 +23,7 @@ const KEY_FACTOR = 1.05;
 const KEY_MU = 0.01;
 const MORE = 5;
 /** What is about constant friction says so while a curve is set. */
-const ABOUT_CONSTANT = ["said", "cures", "maps", "questions", "theory"];
+const ABOUT_CONSTANT = ["mu_k-control", "said", "cures", "maps", "questions", "theory"];
 
 /**
  * Returns what shows a solution; curves are offered, and set the FMU's start values too.
@@ -42,9 +42,10 @@ export function makeFriction(page, curves, starts, reader) {
   const table = byId("friction-text");
   const bad = byId("friction-bad");
   const buttons = [...document.querySelectorAll("[data-curve]")];
-  const notes = ["mu_k-control", ...ABOUT_CONSTANT].map((id) => {
+  const notes = ABOUT_CONSTANT.map((id) => {
     const note = document.createElement("p");
     note.className = "small";
+    note.textContent = "A friction curve is set; this is about constant μs and μk.";
     byId(id).querySelector("h2, .typed").after(note);
     return note;
   });
@@ -68,7 +69,7 @@ export function makeFriction(page, curves, starts, reader) {
   let key = "";
 
   /** @param {Solution} solution */
-  function show({ motion, v_c }) {
+  function show({ motion }) {
     const { p, curve } = motion;
     points = curve ?? [[0, p.mu_k], [Number((5 * p.v).toPrecision(1)), p.mu_k]];
     if (!handles.some(({ isHeld }) => isHeld())) span = spanOf(p, points);
@@ -95,12 +96,8 @@ export function makeFriction(page, curves, starts, reader) {
     buttons.forEach((button, n) => {
       put(button, { "aria-pressed": page.isUsed({}, n ? curves[n - 1].points : null) });
     });
-    const [control, ...others] = notes;
-    setText(control, curve ? "Not used: a friction curve is set." : "");
-    const about = curve ? "A friction curve is set; this is about constant μs and μk." : "";
-    for (const note of others) setText(note, about);
-    const { m, g, load, k, c, mu_s, mu_k } = p;
-    const now = [m, g, load, k, c, mu_s, curve ?? mu_k, span.low, span.high, width].join();
+    for (const note of notes) note.hidden = !curve;
+    const now = JSON.stringify([{ ...p, v: 0 }, curve, span, width]);
     if (now !== key) {
       key = now;
       // A refusal stands until something else is taken, as the table that it is about.
@@ -117,7 +114,7 @@ export function makeFriction(page, curves, starts, reader) {
     /** @type {(step: number) => void} the bar, and again with all detail once nothing moves */
     function lay(step) {
       clearTimeout(waiting);
-      regimes = curve ? regimesOf(p, curve, span.low, span.high, step) : constantRegimes(p, v_c, span);
+      regimes = regimesOf(p, points, span.low, span.high, step);
       drawBar(bar, regimes, frame);
       if (!curve || step === FINE) return;
       waiting = setTimeout(() => {
@@ -213,16 +210,4 @@ function spanOf({ v, mu_s }, points) {
   const [least, most] = [Math.min(v, points[1][0]), Math.max(v, points[points.length - 1][0])];
   const top = 1.25 * Math.max(mu_s, ...points.map(([, mu]) => mu)) || 1;
   return { ...decades(least / 3, 1.5 * most), top };
-}
-
-/**
- * The regimes of constant friction: up to the critical velocity it sticks or is even.
- * @type {(p: Setting, v_c: number, span: {low: number, high: number}) => Regime[]}
- */
-function constantRegimes({ mu_s, mu_k }, v_c, { low, high }) {
-  const end = mu_s > mu_k ? Math.min(Math.max(v_c, low), high) : low;
-  return [
-    { low, high: end, sticks: true, even: true },
-    { low: end, high, sticks: false, even: true },
-  ].filter((each) => each.high > each.low);
 }

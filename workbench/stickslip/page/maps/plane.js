@@ -7,7 +7,7 @@ import { byId, draw, on, put, setText } from "../view/dom.js";
 import { hatched, makeFrame, makeTexts, polyline, px, write } from "../view/frame.js";
 import { makeKnob } from "../view/knob.js";
 import { whenSeen } from "../view/seen.js";
-import { quantity, withoutNoughts } from "../view/units.js";
+import { brief, quantity } from "../view/units.js";
 
 /** @typedef {{low: number, high: number}} Span SI */
 
@@ -110,7 +110,7 @@ export function makePlane(page) {
       const seen = points.find(
         ([x, y]) => x > left + 18 && x < right - 18 && y < bottom - 4 && y > top + 22,
       );
-      if (seen) names.push([withoutNoughts(quantity(jump, "length")), ...seen]);
+      if (seen) names.push([brief(jump, "length"), ...seen]);
     }
     nameLines(names);
     put(lines, { d: path });

@@ -2,7 +2,7 @@
 
 import { draw, put, setText } from "../view/dom.js";
 import { px } from "../view/frame.js";
-import { scaleFor } from "../view/units.js";
+import { brief } from "../view/units.js";
 import { makeBlock, makeGround, makePlaces } from "./contact.js";
 import { makeGauge } from "./gauge.js";
 import { makeRuler } from "./ruler.js";
@@ -23,9 +23,9 @@ const ROUNDING = 1e-6;
  * either way. All is drawn once; a setting or a state only moves it.
  *
  * @param {SVGSVGElement} svg
- * @returns dress(id, words): take the drawing of an application, described in words; arrange(motion,
- *   seen, width, height): draw a motion over a stretch of time in this size [px]; show(state): put
- *   everything where a state of motion.at has it
+ * @returns dress(id, words): take the drawing of an application, described in words; resize(): the
+ *   element has another size; arrange(motion, seen): draw a motion over a stretch of time;
+ *   show(state): put everything where a state of motion.at has it
  */
 export function makeSchematic(svg) {
   const layPlaces = makePlaces(svg);
@@ -38,10 +38,16 @@ export function makeSchematic(svg) {
   const scene = makeScene(svg);
   /** @type {(state: State) => void} */
   let show = () => {};
+  // The size [px]; asking the browser at every redraw would cost a layout.
+  let [width, height] = [0, 0];
 
-  /** @type {(motion: Motion, seen: Stretch, width: number, height: number) => void} */
-  function arrange(motion, seen, width, height) {
+  function resize() {
+    [width, height] = [svg.clientWidth, svg.clientHeight];
     put(svg, { viewBox: `0 0 ${width} ${height}` });
+  }
+
+  /** @type {(motion: Motion, seen: Stretch) => void} */
+  function arrange(motion, seen) {
     const layout = layoutOf(motion, seen, width, height, scene.shape());
     const { left, block, scale, shortest, base, level, way } = layout;
     const origin = motion.at(seen.from).x;
@@ -72,7 +78,7 @@ export function makeSchematic(svg) {
     };
   }
 
-  return { dress: scene.dress, arrange, show: (/** @type {State} */ state) => show(state) };
+  return { dress: scene.dress, resize, arrange, show: (/** @type {State} */ state) => show(state) };
 }
 
 /**
@@ -151,12 +157,7 @@ function makePull(svg) {
   draw(group, "path", { class: "head", d: "M60 0l-14 -6v12z" });
   const name = draw(group, "text", { x: 31, y: -10 });
   return {
-    name(v) {
-      const { size, unit } = scaleFor(v, "velocity");
-      setText(name, `${Number((v / size).toPrecision(4))}\u00a0${unit}`);
-    },
-    place(left, level) {
-      put(group, { transform: `translate(${px(left)} ${px(level)})` });
-    },
+    name: (v) => setText(name, brief(v, "velocity")),
+    place: (left, level) => put(group, { transform: `translate(${px(left)} ${px(level)})` }),
   };
 }

@@ -46,9 +46,9 @@ export function quantity(value, kind, scale = scaleFor(value, kind)) {
   return scale.unit ? `${number}\u00a0${scale.unit}` : number;
 }
 
-/** @type {(text: string) => string} a number without noughts at the end of its decimals */
-export function withoutNoughts(text) {
-  return text.replace(/(\.\d*?)0+(?!\d)/, "$1").replace(/\.(?!\d)/, "");
+/** @type {(value: number, kind: string) => string} a quantity [SI] without noughts at its end */
+export function brief(value, kind) {
+  return quantity(value, kind).replace(/(\.\d*?)0+(?!\d)/, "$1").replace(/\.(?!\d)/, "");
 }
 
 /**
