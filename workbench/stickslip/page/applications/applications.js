@@ -38,7 +38,6 @@ export function makeApplications(page, applications) {
 
 /** @type {(applications: Application[], p: Setting) => string} id of that with most values in use */
 export function likest(applications, p) {
-  /** @type {(application: Application) => number} */
   const common = (one) => Object.keys(p).filter((name) => one[name] === p[name]).length;
   return applications.reduce((best, next) => (common(next) > common(best) ? next : best)).id;
 }

@@ -17,18 +17,13 @@ export function valuesIn(hash) {
   let points;
   for (const [name, text] of new URLSearchParams(hash.slice(1))) {
     const value = text.trim() === "" ? NaN : Number(text);
-    const listed = text.split(",").map(Number);
-    if (name === "curve" && listed.length % 2 && listed.every(Number.isFinite)) {
-      points = pairs([0, ...listed]);
+    const listed = [0, ...text.split(",").map(Number)];
+    if (name === "curve" && listed.length % 2 === 0 && listed.every(Number.isFinite)) {
+      points = /** @type {Curve} */ (listed.flatMap((u, n) => (n % 2 ? [] : [[u, listed[n + 1]]])));
     } else if (Number.isFinite(value)) values[name] = value;
     else bad.push(`${name}=${text}`);
   }
   return { values, bad, points };
-}
-
-/** @type {(list: number[]) => Curve} */
-function pairs(list) {
-  return list.length ? [[list[0], list[1]], ...pairs(list.slice(2))] : [];
 }
 
 /** @type {(values: Record<string, any>) => string} the part of an address that asks for these */
@@ -47,12 +42,10 @@ export function makeAddress() {
   let waiting = 0;
   let last = -Infinity;
   return {
-    /** @type {(values: Record<string, any>) => void} */
     write(values) {
       clearTimeout(waiting);
       waiting = setTimeout(() => history.replaceState(null, "", hashOf(values)), STILL);
     },
-    /** @type {(before: Record<string, any>, after: Record<string, any>) => void} */
     step(before, after) {
       const pause = performance.now() - last;
       last += pause;

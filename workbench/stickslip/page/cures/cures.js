@@ -34,7 +34,6 @@ export function makeCures(page) {
   let tried = null;
   const stillTried = () => tried !== null && tried.cured === page.setting();
 
-  /** @type {(values: Partial<Setting>, what: string, button: Element) => void} */
   function set(values, what, button) {
     const from = stillTried() ? tried.from : page.solution();
     try {

@@ -68,7 +68,6 @@ export function makeFriction(page, curves, starts, reader) {
   let waiting = 0;
   let key = "";
 
-  /** @param {Solution} solution */
   function show({ motion }) {
     const { p, curve } = motion;
     points = curve ?? [[0, p.mu_k], [Number((5 * p.v).toPrecision(1)), p.mu_k]];

@@ -3,11 +3,8 @@
 import { commandLine } from "./command.js";
 import { csvText } from "./csv.js";
 import { byId, on, setText } from "../view/dom.js";
-import { pngOf, resolvedStyle, svgText } from "./picture.js";
+import { pictureOf, pngOf, resolvedStyle } from "./picture.js";
 
-/** Pixels between two drawings of the picture, and above them for its caption. */
-const GAP = 8;
-const TITLE = 40;
 /** Pixels of the PNG to one of the page. */
 const FINENESS = 2;
 /** How long a button says what it has done [ms]. */
@@ -82,19 +79,11 @@ export function makeKeeping(page, stretch, reader) {
     setTimeout(() => setText(share, name), CONFIRMED);
   });
 
-  /** The charts one above the other as one document. */
   function picture() {
     const svgs = ["x-chart", "F-chart", "phase-chart"].map(byId);
-    const width = Math.max(...svgs.map((svg) => svg.clientWidth));
-    let y = TITLE;
-    const parts = svgs.map((svg) => {
-      const part = { svg, x: 0, y, width: svg.clientWidth, height: svg.clientHeight };
-      y += part.height + GAP;
-      return part;
-    });
     const style = resolvedStyle(byId("chart-style").textContent, document.body);
     const { p, curve } = page.solution().motion;
-    return { text: svgText(parts, style, settingInWords(p, curve)), width, height: y - GAP };
+    return pictureOf(svgs, style, settingInWords(p, curve));
   }
 
   function png() {

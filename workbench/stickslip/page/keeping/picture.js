@@ -2,6 +2,10 @@
 
 import { draw, put, setText } from "../view/dom.js";
 
+/** Pixels between two drawings of the picture, and above them for its caption. */
+const GAP = 8;
+const TITLE = 40;
+
 /**
  * CSS with every var(--name) replaced by its value at an element, for use away from the page.
  * @type {(cssText: string, element: Element) => string}
@@ -16,33 +20,32 @@ export function resolvedStyle(cssText, element) {
 }
 
 /**
- * Drawings of the page as one SVG document that stands alone, {svg, x, y, width, height} [px], under the
- * lines of a title; in the style, without custom properties, `.sheet` is the background.
- * @type {(parts: any[], style: string, title: string[]) => string}
+ * Drawings of the page one above the other as an SVG document that stands alone, under the lines of a
+ * title, and its size [px]; in the style, without custom properties, `.sheet` is the background.
+ * @type {(svgs: SVGSVGElement[], style: string, title: string[]) =>
+ *   {text: string, width: number, height: number}}
  */
-export function svgText(parts, style, title) {
-  const width = Math.max(...parts.map((part) => part.x + part.width));
-  const height = Math.max(...parts.map((part) => part.y + part.height));
-  const whole = draw(document.createDocumentFragment(), "svg", {
-    width,
-    height,
-    viewBox: `0 0 ${width} ${height}`,
-    "font-family": "system-ui, sans-serif",
-  });
+export function pictureOf(svgs, style, title) {
+  const width = Math.max(...svgs.map((svg) => svg.clientWidth));
+  const height = svgs.reduce((sum, svg) => sum + svg.clientHeight + GAP, TITLE - GAP);
+  const [size, viewBox] = [{ width, height }, `0 0 ${width} ${height}`];
+  const family = { "font-family": "system-ui, sans-serif" };
+  const whole = draw(document.createDocumentFragment(), "svg", { ...size, viewBox, ...family });
   setText(draw(whole, "title"), title.join(", "));
   setText(draw(whole, "style"), style);
-  draw(whole, "rect", { class: "sheet", width, height, fill: "white" });
+  draw(whole, "rect", { class: "sheet", ...size, fill: "white" });
   title.forEach((line, n) => {
     setText(draw(whole, "text", { class: "axis", x: 8, y: 15 + 16 * n }), line);
   });
-  for (const { svg, ...place } of parts) {
-    const copy = svg.cloneNode(true);
-    // What placed it on the page must not place it here.
-    copy.removeAttribute("style");
-    put(copy, place);
+  let y = TITLE;
+  for (const svg of svgs) {
+    const copy = /** @type {Element} */ (svg.cloneNode(true));
+    put(copy, { x: 0, y, width: svg.clientWidth, height: svg.clientHeight });
     whole.append(copy);
+    y += svg.clientHeight + GAP;
   }
-  return `<?xml version="1.0" encoding="UTF-8"?>\n${new XMLSerializer().serializeToString(whole)}`;
+  const text = new XMLSerializer().serializeToString(whole);
+  return { text: `<?xml version="1.0" encoding="UTF-8"?>\n${text}`, ...size };
 }
 
 /**

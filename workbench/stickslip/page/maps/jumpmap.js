@@ -19,7 +19,6 @@ export function makeJumpMap(page) {
   const dot = draw(frame.over, "circle", { class: "dot", r: 4.5 });
   let drawn = "";
 
-  /** @type {(solution: Solution) => void} */
   function show(solution) {
     const { motion, v_c, simple } = solution;
     const { p, cycle, numbers } = motion;
@@ -34,7 +33,6 @@ export function makeJumpMap(page) {
     setText(said, jumpInWords(p, cycle, v_c, simple.delta_x));
   }
 
-  /** @type {(solution: Solution, low: number, high: number) => void} */
   function drawCurve({ motion: { p, numbers }, v_c, simple }, low, high) {
     const points = jumpOverSpeed(p, low, high);
     const jumps = [simple.delta_x, ...points.map(({ jump }) => jump)];

@@ -45,7 +45,6 @@ export function makePlane(page) {
   const key = () =>
     [p.m, numbersOf(p).N, p.mu_s, p.mu_k, p.c, spans.k.low, spans.v.low, frame.area.width].join();
 
-  /** @param {Solution} solution */
   function show({ motion, v_c }) {
     p = motion.p;
     if (!knob.isHeld()) spans = { k: spanFor(p.k, spans?.k), v: spanFor(p.v, spans?.v) };
@@ -102,7 +101,6 @@ export function makePlane(page) {
     waiting = 0;
     const { left, right, top, bottom } = frame.area;
     let path = "";
-    /** @type {Note[]} */
     const names = [];
     for (const jump of levels(p, spans)) {
       const points = equalJump(p, jump, spans.v.low, spans.v.high).map(placeOf);
@@ -116,7 +114,6 @@ export function makePlane(page) {
     put(lines, { d: path });
   }
 
-  /** @type {(values: Partial<Setting>) => void} */
   function move(values) {
     const rounded = Object.entries(values).map(([name, value]) => [name, Number(value.toPrecision(3))]);
     try {
@@ -139,7 +136,6 @@ export function makePlane(page) {
     const box = svg.getBoundingClientRect();
     moveTo(clientX - box.left, clientY - box.top);
   });
-  /** @type {(right: number, up: number) => void} */
   const step = (right, up) => {
     // What is shown may be a few presses behind.
     const { k, v } = page.setting();

@@ -20,22 +20,15 @@ const MOST_ARCS = 1000;
 
 /** @type {(p: Setting, curve: Curve) => Contact} whatever v is */
 export function contactOf(p, curve) {
-  const { F_s, F_k, Delta, w } = numbersOf({ ...p, mu_k: curve[0][1] });
-  return { m: p.m, k: p.k, w, bands: bandsOf(p, curve), F_s, F_1: F_k, first: w * w * Delta };
+  const numbers = numbersOf({ ...p, mu_k: curve[0][1] });
+  return { ...p, ...numbers, bands: bandsOf(p, curve), first: numbers.w ** 2 * numbers.Delta };
 }
 
 /** @type {(contact: Contact, v: number) => Chain} the slip at a speed of the pull above 0 [m/s] */
 export function chainOf(contact, v) {
+  const never = { t_slip: NaN, spring_drop: NaN, peak: NaN, peakAt: NaN };
   /** @type {Chain} */
-  const chain = {
-    arcs: [],
-    rests: false,
-    t_slip: NaN,
-    spring_drop: NaN,
-    peak: NaN,
-    peakAt: NaN,
-    margin: 1,
-  };
+  const chain = { ...never, arcs: [], rests: false, margin: 1 };
   const rest = { displacement: 0, growth: 0, x_dot: 0, x_ddot: contact.first };
   let arc = arcAt(contact, 0, 1, 0, rest);
   while (chain.arcs.length < MOST_ARCS) {
@@ -46,8 +39,9 @@ export function chainOf(contact, v) {
       [chain.peak, chain.peakAt] = [course.highest, arc.start + course.highestAt];
     }
     const isForward = arc.mode > 0;
-    if (isForward && course.lowest > 0) chain.margin = course.lowest / v;
-    if (course.tau === Infinity || (isForward && course.lowest > 0)) return chain;
+    const turns = isForward && course.lowest > 0;
+    if (turns) chain.margin = course.lowest / v;
+    if (turns || course.tau === Infinity) return chain;
     const next = follow(contact, arc, course, v);
     if (next.x_dot === 0) {
       const excess = Math.abs(contact.F_s + contact.k * next.growth) / contact.F_s - 1;
@@ -78,7 +72,7 @@ export function follow(contact, arc, { tau, rising }, v) {
     const force = contact.F_s + contact.k * state.growth;
     const isFree = Math.abs(force) > contact.F_s * (1 + FORCE_SLACK);
     const s = isFree && force < 0 ? -1 : 1;
-    const x_ddot = isFree ? (force - s * contact.F_1) / contact.m : contact.first;
+    const x_ddot = isFree ? (force - s * contact.F_k) / contact.m : contact.first;
     return arcAt(contact, 0, s, start, { ...state, x_dot: 0, x_ddot });
   }
   const x_dot = mode * (outward ? band.high : band.low);

@@ -19,15 +19,8 @@ export function numbersOf(p) {
   const w = Math.sqrt(p.k / p.m);
   // The difference is formed from the coefficients, where it is exact when they are close.
   const Delta = ((p.mu_s - p.mu_k) * N) / p.k;
-  return {
-    N,
-    F_s: p.mu_s * N,
-    F_k: p.mu_k * N,
-    Delta,
-    w,
-    zeta: p.c / (2 * p.m * w),
-    lambda_: (w * Delta) / p.v,
-  };
+  const plain = { zeta: p.c / (2 * p.m * w), lambda_: (w * Delta) / p.v };
+  return { N, F_s: p.mu_s * N, F_k: p.mu_k * N, Delta, w, ...plain };
 }
 
 /** @type {(zeta: number) => number} nu = sqrt(1 - zeta^2) of a damping ratio up to 1 */

@@ -12,7 +12,7 @@ const NEAR = 0.3;
 const FINER = 6;
 
 /** @type {(contact: Contact, v: number) => Pick<Regime, "sticks" | "even">} at one speed [m/s] */
-export function regimeAt(contact, v) {
+function regimeAt(contact, v) {
   const near = contact.bands.filter(({ low, high }) => v >= low && v <= high);
   const even = near.every(({ oscillator }) => oscillator.a >= 0);
   return { sticks: chainOf(contact, v).margin <= 0, even };

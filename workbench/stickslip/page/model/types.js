@@ -71,20 +71,14 @@
  *   time since break-away [s]
  * @property {() => boolean} settles whether a slip without end ends in steady sliding
  *
- * @typedef {object} OfPiece a stretch of slip on one line of the friction curve
- * @property {number} start time since break-away [s]
- * @property {number} end the same
- * @property {number} rate of its fastest change [rad/s]
- * @property {boolean} turns whether the direction of slip changes at its end
- * @typedef {Oscillator & OfPiece} Piece
+ * @typedef {Oscillator & {start: number, end: number, rate: number, turns: boolean}} Piece of a slip
+ *   on one line of the friction curve: times since break-away [s], the rate of its fastest change
+ *   [rad/s], and whether the direction of slip changes at its end
  *
- * @typedef {object} OfArc a slip on one line of a curve, with its state at the start
- * @property {Band} band
- * @property {number} index of the band
- * @property {number} mode direction of slip: 1 forward, -1 backward
- * @property {number} start time since break-away [s]
- * @property {number} end the same, infinite where it stays on its line
- * @typedef {SlipState & OfArc} Arc
+ * @typedef {{band: Band, index: number, mode: number, start: number, end: number}} OfArc
+ * @typedef {SlipState & OfArc} Arc a slip on one line of a curve, with its state at the start, the
+ *   direction 1 forward or -1 backward, and times since break-away [s]: no end on that line is
+ *   infinite
  *
  * @typedef {object} Course how an arc goes on
  * @property {number} tau when its speed leaves the line [s], infinite for never
@@ -93,14 +87,9 @@
  * @property {number} highestAt when [s]
  * @property {number} lowest velocity where it first turned from falling to rising [m/s], or NaN
  *
- * @typedef {object} Contact what the slips of a setting share, whatever the speed of the pull
- * @property {number} m mass [kg]
- * @property {number} k stiffness of the spring [N/m]
- * @property {number} w natural frequency [rad/s]
- * @property {Band[]} bands
- * @property {number} F_s break-away force [N]
- * @property {number} F_1 friction at the beginning of slip [N]
- * @property {number} first acceleration just after a break-away [m/s^2]
+ * @typedef {Setting & Numbers & {bands: Band[], first: number}} Contact what the slips of a setting
+ *   share, whatever the speed of the pull: bands of the friction curve and the acceleration just after
+ *   a break-away [m/s^2]; its F_k is friction at the beginning of slip
  *
  * @typedef {object} Chain a slip from break-away, up to where its end is decided
  * @property {Arc[]} arcs
@@ -113,11 +102,9 @@
  *   of the slip over that of the pull, or how far the spring at the end of a slip back is above
  *   F_s, over F_s
  *
- * @typedef {object} Regime a range of speeds of the pull with one answer; neither: it swings
- * @property {number} low [m/s]
- * @property {number} high [m/s]
- * @property {boolean} sticks whether the slip from break-away comes to rest
- * @property {boolean} even whether steady sliding is stable
+ * @typedef {{low: number, high: number, sticks: boolean, even: boolean}} Regime speeds of the pull
+ *   [m/s] with one answer: whether the slip from break-away comes to rest, and whether steady sliding
+ *   is stable; neither: it swings
  *
  * @typedef {object} State the motion at a time
  * @property {number} t time [s]
@@ -131,11 +118,8 @@
  * @property {number} F_dot its rate [N/s]
  * @property {number} F_friction force of the way on the mass, damping included [N]
  *
- * @typedef {object} Phase a stick or a slip
- * @property {"stick" | "slip"} kind
- * @property {number} n slips before it [1]
- * @property {number} start [s]
- * @property {number} end [s], infinite for a slip without end
+ * @typedef {{kind: "stick" | "slip", n: number, start: number, end: number}} Phase a stick or a slip
+ *   after n slips, times [s]; a slip without end has an infinite one
  *
  * @typedef {[high: number, low: number]} Twofold a number with twice the digits: their sum
  *

@@ -1,8 +1,6 @@
 /** The numbers of the cycle: exact and simplified side by side, and how far they are apart. */
 
-import { contactOf } from "../model/chain.js";
 import { numbersOf } from "../model/friction.js";
-import { regimeAt } from "../model/regimes.js";
 import { byId, put, setText } from "../view/dom.js";
 import { digits, quantity, scaleFor } from "../view/units.js";
 
@@ -14,7 +12,6 @@ const PAUSE = 700;
 
 /** @type {() => (solution: Solution) => void} returns what shows a solution */
 export function makeResults() {
-  /** @type {NodeListOf<HTMLTableRowElement>} */
   const rows = document.querySelectorAll("[id^='readout-']");
   let waiting = 0;
 
@@ -54,15 +51,13 @@ function showRow(row, name, exact, simple) {
 
 /** The deviation of the simplified value in words, and whether it deserves a mark. */
 function deviation(exact, simple) {
-  if (!Number.isFinite(simple) || exact === simple) {
-    return { words: exact === simple ? "0 %" : "–", far: false };
-  }
+  const off = simple / exact - 1;
+  if (exact === simple || Math.abs(off) < 1e-12) return { words: "0 %", far: false };
+  if (!Number.isFinite(simple)) return { words: "–", far: false };
   // The designers' formulas know of no end of the cycle.
   if (!(exact > 0)) return { words: "✕ no cycle", far: true };
-  const off = simple / exact - 1;
   const far = Math.abs(off) > FAR_OFF;
   const mark = far ? (off > 0 ? "▲ " : "▼ ") : "";
-  if (Math.abs(off) < 1e-12) return { words: "0 %", far };
   if (Math.abs(off) < 1e-4) return { words: "< 0.01 %", far };
   if (off > 9.995) return { words: `${mark}× ${digits(simple / exact, 3)}`, far };
   const percent = digits(Math.abs(100 * off), Math.abs(off) < 0.01 ? 2 : 3);
@@ -70,10 +65,9 @@ function deviation(exact, simple) {
 }
 
 /** @type {(motion: Motion, v_c: number) => string} one sentence on what this setting does */
-function inWords({ cycle, numbers, p, curve, slip }, v_c) {
+function inWords({ cycle, numbers, p, slip }, v_c) {
   if (!cycle.exists && Number.isNaN(v_c)) {
-    const { even } = regimeAt(contactOf(p, curve), p.v);
-    return even && slip.settles()
+    return slip.settles()
       ? "It moves evenly: on this friction curve the slip from break-away calms down."
       : "It swings, without a stop: on this friction curve no slip comes to rest.";
   }

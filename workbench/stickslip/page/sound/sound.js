@@ -68,7 +68,6 @@ export function makeSound(page) {
     show() {
       if (isOn()) waiting ||= setTimeout(play, 1000 * FADE);
     },
-    /** @param {number} seconds */
     async record(seconds) {
       const offline = new OfflineAudioContext(1, seconds * 48000, 48000);
       sounding(offline, page.solution().motion);

@@ -73,7 +73,6 @@ export function makePlayer(stretch, show, tell) {
 
   return {
     refresh,
-    /** @param {number | null} t [s] */
     point(t) {
       pointed = t === null ? null : (t - stretch.from) / stretch.span();
       if (!playing) share = pointed ?? share;

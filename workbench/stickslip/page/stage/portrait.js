@@ -23,7 +23,6 @@ export function makePortrait(svg) {
   /** @type {Motion} */
   let motion = null;
 
-  /** @type {(next: Motion, ghost: Motion | null) => void} */
   function show(next, ghost) {
     motion = next;
     const { cycle, p, z_s, z_even } = motion;
@@ -68,7 +67,6 @@ export function makePortrait(svg) {
   return {
     resize: frame.resize,
     show,
-    /** @param {State} state */
     mark(state) {
       put(dot, { cx: px(frame.x(state.z)), cy: px(frame.y(state.x_dot)) });
       put(trail, { d: trailOf(state) });

@@ -13,7 +13,6 @@ export function makeReadouts() {
   let scales = {};
 
   return {
-    /** @type {(motion: Motion, seen: Seen) => void} */
     fit({ cycle, numbers, slip, p, z_s }, seen) {
       // Without friction the spring is as long as its swing.
       const longest = Math.max(z_s + (slip.overshoot?.growth ?? 0), p.v / numbers.w);
@@ -26,14 +25,12 @@ export function makeReadouts() {
         F: rangeOf(p.k * longest, "force"),
       };
     },
-    /** @param {State} state */
     show({ t, mode, x, x_pull, x_dot, z, F }) {
       setText(now, `${fixed(t, scales.t)}, ${modeInWords(mode)}`);
       setText(ofX, `x ${fixed(x, scales.x)}, pulled end ${fixed(x_pull, scales.x)}`);
       setText(ofF, `F ${fixed(F, scales.F)}`);
       setText(ofZ, `ẋ ${fixed(x_dot, scales.x_dot)}, z ${fixed(z, scales.z)}`);
     },
-    /** @param {State} state */
     tell({ t, mode, x, x_dot, x_pull, F }) {
       return (
         `${fixed(t, scales.t)}: ${modeInWords(mode)}, mass at ${fixed(x, scales.x)}, ` +

@@ -28,7 +28,6 @@ export function makeRuler(svg) {
     return (start) => {
       const first = Math.floor(start / (step * size) - zero / apart);
       let d = "";
-      /** @type {Note[]} */
       const labels = [];
       for (let n = first; n < first + Math.floor(width / apart + 3); n++) {
         const at = zero + (n - start / (step * size)) * apart;

@@ -22,14 +22,12 @@ export function makeScene(svg) {
   const caption = draw(svg, "text", { class: "caption" });
   let said = "";
   return {
-    /** @type {(id: string, words: string) => void} */
     dress(id, words) {
       put(svg, { "data-drawing": id, "aria-label": words });
       for (const part of parts) put(part, { href: `#${id}-${part.dataset.part}` });
       said = words;
     },
     shape: () => byId(`${svg.dataset.drawing}-mass`).dataset,
-    /** @type {(layout: Layout) => void} */
     lay({ width, ground, tall }) {
       const size = `scale(${tall / UNITS})`;
       const places = { left: `translate(0 ${ground})`, right: `translate(${width} ${ground})` };

@@ -36,8 +36,7 @@ export function makeSchematic(svg) {
   const pull = makePull(svg);
   const layBlock = makeBlock(svg);
   const scene = makeScene(svg);
-  /** @type {(state: State) => void} */
-  let show = () => {};
+  let show = null;
   // The size [px]; asking the browser at every redraw would cost a layout.
   let [width, height] = [0, 0];
 
@@ -46,7 +45,6 @@ export function makeSchematic(svg) {
     put(svg, { viewBox: `0 0 ${width} ${height}` });
   }
 
-  /** @type {(motion: Motion, seen: Stretch) => void} */
   function arrange(motion, seen) {
     const layout = layoutOf(motion, seen, width, height, scene.shape());
     const { left, block, scale, shortest, base, level, way } = layout;
@@ -78,7 +76,7 @@ export function makeSchematic(svg) {
     };
   }
 
-  return { dress: scene.dress, resize, arrange, show: (/** @type {State} */ state) => show(state) };
+  return { dress: scene.dress, resize, arrange, show: (state) => show(state) };
 }
 
 /**

@@ -12,13 +12,7 @@ const MOST_ZOOMED_OUT = 200;
 /** The shortest stretch, as a part of a swing. */
 const LEAST_ZOOMED_IN = 1e-5;
 
-/**
- * Keep the stretch of time: the whole picture, until a person chooses another.
- *
- * @returns from, to [s], span(); way(): the length that the stage shows [m]; fit(motion, ghost)
- *   after a new setting; choose(from, to), zoom(factor, at), move(share), reset(), fromStart(),
- *   release(from): the next setting chooses the picture
- */
+/** Keep the stretch of time [s]: the whole picture, until a person chooses another. */
 export function makeStretch() {
   /** @type {Motion} */
   let motion = null;
@@ -49,12 +43,12 @@ export function makeStretch() {
     from: 0,
     to: 1,
     span: () => stretch.to - stretch.from,
-    /** The length of way that the stage shows: that of the charts, for some cycles at a time. */
+    /** The length of way [m] that the stage shows: that of the charts, for some cycles at a time. */
     way() {
       const stride = motion.cycle.exists ? motion.cycle.delta_x : motion.p.v * motion.beat;
       return stride * Math.min(Math.max(stretch.span() / motion.beat, FEWEST), MOST);
     },
-    /** @type {(next: Motion, ghost: Motion | null) => void} the ghost is shown beside it */
+    /** @type {(next: Motion, ghost: Motion | null) => void} another setting, and its ghost beside it */
     fit(next, ghost) {
       const span = stretch.span();
       motion = next;
@@ -69,6 +63,7 @@ export function makeStretch() {
       else lay(usual(motion));
       free = false;
     },
+    /** The next setting chooses the picture. */
     release(wanted = /** @type {"cycles" | "start"} */ ("cycles")) {
       kind = wanted;
       free = true;

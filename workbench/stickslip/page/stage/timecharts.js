@@ -46,7 +46,6 @@ export function makeTimeCharts(svgX, svgF) {
   /** @type {(start: number, end: number) => number} [px] */
   const widthOf = (start, end) => x.frame.x(end) - x.frame.x(start);
 
-  /** @type {(motion: Motion, seen: Seen, ghost: Motion | null) => void} */
   function show(motion, seen, ghost) {
     const { p, numbers } = motion;
     const { left, right, top, bottom, width } = x.frame.area;
@@ -82,10 +81,7 @@ export function makeTimeCharts(svgX, svgF) {
     );
   }
 
-  /**
-   * Write the names of mass and pulled end at their curves, where these are apart.
-   * @type {(motion: Motion, seen: Seen, phases: SeenPhase[]) => void}
-   */
+  /** Write the names of mass and pulled end at their curves, where these are apart. */
   function nameCurves({ p }, seen, phases) {
     const { left, right, bottom } = x.frame.area;
     // The line rises: the name clears it where it ends.
@@ -100,7 +96,6 @@ export function makeTimeCharts(svgX, svgF) {
     note(massName, "mass", middle, height, x.frame);
   }
 
-  /** @type {(motion: Motion, seen: Seen, phases: SeenPhase[]) => void} */
   function showOvershoot({ numbers, p, slip }, seen, phases) {
     const height = slip.overshoot ? p.k * slip.overshoot.growth : 0;
     const top = F.frame.y(numbers.F_s + height);
@@ -123,7 +118,6 @@ export function makeTimeCharts(svgX, svgF) {
       for (const { frame } of [x, F]) frame.resize();
     },
     show,
-    /** @param {State} state */
     mark(state) {
       x.mark(state.t, state.x);
       F.mark(state.t, state.F);
@@ -132,11 +126,7 @@ export function makeTimeCharts(svgX, svgF) {
   };
 }
 
-/**
- * A chart's frame with bands for the phases, a cursor, and the stretch that is being chosen.
- *
- * @param {SVGSVGElement} svg
- */
+/** A chart's frame with bands for the phases, a cursor, and the stretch that is being chosen. */
 export function makeChart(svg) {
   const frame = makeFrame(svg);
   const hatch = hatched(svg, `${svg.id}-hatch`, 6);
@@ -152,7 +142,6 @@ export function makeChart(svg) {
 
   return {
     frame,
-    /** @type {(phases: SeenPhase[]) => void} */
     shade(phases) {
       const { top, bottom } = frame.area;
       const paths = { stick: "", slip: "" };

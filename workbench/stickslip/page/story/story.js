@@ -41,7 +41,6 @@ export function makeStory(page, steps) {
   turn(0);
 
   return {
-    /** @param {string} hash @param {boolean} moved */
     take(hash, moved) {
       const at = articles.findIndex(({ id }) => hash === `#${id}`);
       if (at >= 0) open(at, moved);

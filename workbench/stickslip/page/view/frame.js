@@ -7,9 +7,8 @@ import { draw, put, setText } from "./dom.js";
 const MARGIN = { left: 54, right: 12, top: 8, bottom: 34 };
 /** A letter of a mark is about this wide [px]. */
 const WIDE = 7.7;
-/** Pixels between two marks, about; along a logarithmic axis, whose texts are short. */
-const APART = { x: 90, y: 38 };
-const APART_IN_LOG = { x: 52, y: 38 };
+/** Pixels between two marks, about; the texts along a logarithmic axis are short. */
+const APART = { x: 90, y: 38, log: 52 };
 
 /** @type {(value: number) => number} a coordinate, to a fiftieth of a pixel */
 export function px(value) {
@@ -67,19 +66,18 @@ export function makeFrame(svg) {
   const x = (/** @type {number} */ value) => area.left + shareAlong(axes.x, value) * area.width;
   const y = (/** @type {number} */ value) => area.bottom - shareAlong(axes.y, value) * area.height;
 
-  /** @type {(x: Axis, y: Axis) => void} */
   function scale(horizontal, vertical) {
     axes = { x: horizontal, y: vertical };
     let path = "";
-    /** @type {Note[]} */
     const labels = [];
-    for (const { value, text } of ticks(horizontal, markCount(horizontal, "x", area.width))) {
+    const apart = horizontal.log ? APART.log : APART.x;
+    for (const { value, text } of ticks(horizontal, Math.max(area.width / apart, 2))) {
       path += upright(value);
       const edge = area.right + MARGIN.right;
       const cut = x(value) + 0.5 * WIDE * text.length > edge;
       labels.push([text, cut ? edge : x(value), area.bottom + 15, cut ? "end" : "middle"]);
     }
-    for (const { value, text } of ticks(vertical, markCount(vertical, "y", area.height))) {
+    for (const { value, text } of ticks(vertical, Math.max(area.height / APART.y, 2))) {
       path += level(value);
       // What the margin cannot hold stands inside, above its line.
       const inside = WIDE * text.length > MARGIN.left - 5;
@@ -101,20 +99,17 @@ export function makeFrame(svg) {
   return { svg, under, curves, over, area, resize, scale, x, y, upright, level, valueAtX, valueAtY };
 }
 
-/** @type {(axis: Axis, way: "x" | "y", length: number) => number} how many marks have room */
-function markCount({ log }, way, length) {
-  return Math.max(length / (log ? APART_IN_LOG : APART)[way], 2);
-}
-
 /** @type {(element: Element, text: string, left: number, top: number) => void} at a place [px] */
 export function write(element, text, left, top) {
   setText(element, text);
   put(element, { x: px(left), y: px(top) });
 }
 
-/** @type {(parent: Element, look?: object) => (texts: Note[]) => void} what writes as many as given */
+/**
+ * What writes as many texts as are given, each with its place [px] and, but for the middle, its anchor.
+ * @type {(parent: Element, look?: object) => (texts: any[][]) => void}
+ */
 export function makeTexts(parent, look) {
-  /** @type {Element[]} */
   const elements = [];
   return (texts) => {
     for (const element of elements.splice(texts.length)) element.remove();

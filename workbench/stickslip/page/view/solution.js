@@ -12,7 +12,6 @@ const MOST_CYCLES = 1e9;
 export function solve(p, curve = null) {
   const isFlatOne = curve && isFlat(curve);
   const used = isFlatOne ? { ...p, mu_k: curve[0][1] } : p;
-  /** @type {Solution} */
   const solution = {
     motion: motionOf(p, curve),
     simple: simplified(p),

@@ -35,8 +35,6 @@
  * @property {number} end [s], cut to what is seen
  * @property {State[]} points exact states in it
  *
- * @typedef {[text: string, left: number, top: number, anchor?: string]} Note a text at a place [px]
- *
  * @typedef {{size: number, unit: string}} Scale a unit and its size [SI]
  *
  * @typedef {object} Axis
