@@ -3,13 +3,13 @@
  * docs/theory.md (6) to (14).
  */
 
-import { marginOf, endAlong, jumpOn, sizeAlong } from "./along.js";
+import { jumpAlong, marginOf, zeroFrom, zerosAlong } from "./along.js";
 import { criticalVelocity, logCriticalLambda } from "./critical.js";
 import { limitJump, steadyCycle } from "./cycle.js";
 import { nuOf, numbersOf } from "./friction.js";
 
-/** Steps of the search for the mass at which v_c is smallest; it gains a digit in two of them. */
-const DIPS = 60;
+/** Steps of the mass [ln] on the way to its limit, which a load may bring twice. */
+const STEP = 0.05;
 /** A rounded value is this near to the limit. */
 const NEAR_LIMIT = 0.02;
 
@@ -52,28 +52,20 @@ export function curesOf(p) {
     least = end === null ? 1 : limitJump(way(end)) / delta_x,
     last = end ?? NaN,
   ) {
-    const length = jumpOn(way, least * delta_x);
-    const halve = least > 0.5 ? null : sizeAlong(length, 0.5 * delta_x, 0, last, -2 * Math.LN2);
+    const excess = jumpAlong(way, least * delta_x, 0.5 * delta_x);
+    const halve = least > 0.5 ? null : zeroFrom(excess, 0, last, -2 * Math.LN2);
     const [at, limit] = [halve, end].map((log) => (log === null ? null : way(log)[parameter]));
     return { name, parameter, now: p[parameter], halve: at, end: limit, least };
   }
 
-  function stiffer() {
-    // Without damping four times the stiffness leaves a half at most.
-    if (!damped) return cure("stiffer", "k", stiffness, null, 0, 2 * Math.LN2);
-    // Lambda and zeta fall as one; lambda_c is above sqrt(4 pi zeta).
-    const far = Math.max(2 * Math.log((lambda_ * lambda_) / (4 * Math.PI * zeta)), 0);
-    return cure("stiffer", "k", stiffness, endAlong(stiffness, 0, far));
-  }
+  /** @type {(way: Way, step: number, from?: number) => number} where a way leaves the cycle */
+  const endAlong = (way, step, from = 0) => zeroFrom((log) => marginOf(way(log)), from, NaN, step);
 
   function moreDamping() {
-    // The depth falls with eta = zeta/nu, by pi to 2 pi for each unit. It never halves the jump: at
-    // the limit the period is above lambda + pi, and without damping it is below twice that.
-    const most = 0.5 * Math.log1p(lambda_ * lambda_) / Math.PI;
-    const [inside, outside] = [most / 2.001, most / 0.999].map((eta) =>
-      Math.log(eta / Math.hypot(1, eta)),
-    );
-    return cure("damping", "c", damping, lambda_ > 0 ? endAlong(damping, inside, outside) : -Infinity);
+    // It never halves the jump: at the limit the period is above lambda + pi, and without damping it
+    // is below twice that. Light damping ends a cycle of lambda = sqrt(4 pi zeta).
+    const light = 2 * Math.log(Math.min(lambda_, 1)) - 6;
+    return cure("damping", "c", damping, lambda_ > 0 ? endAlong(damping, 1, light) : -Infinity);
   }
 
   function slower() {
@@ -96,22 +88,20 @@ export function curesOf(p) {
       const least = (relief + (2 * Math.PI * p.v * Math.sqrt(lightest)) / w) / delta_x;
       return cure("lighter", "m", mass, null, least, lightest > 0 ? Math.log(lightest) : NaN);
     }
-    /** @type {(ratio: number) => number} ln of the part of the mass that has a damping ratio */
-    const at = (ratio) => 2 * Math.log(zeta / ratio);
-    const dip = dipOf(zeta, p.load / weight);
-    const isShort = dip > zeta && marginOf(mass(at(dip))) < 0;
-    const end = isShort
-      ? endAlong(mass, 0, at(dip))
-      : endAlong(mass, at(Math.max(zeta, dip)), Math.max(at(1), Math.log(lightest)));
-    return cure("lighter", "m", mass, end);
+    // At the least mass it does not swing, or has no normal force.
+    const to = Math.max(2 * Math.log(zeta), Math.log(lightest));
+    return cure("lighter", "m", mass, zerosAlong((log) => marginOf(mass(log)), 0, to, STEP)[0] ?? 0);
   }
 
   return {
     jump: delta_x,
     v_c,
     cures: [
-      stiffer(),
-      cure("softer", "k", stiffness, damped ? endAlong(stiffness, 0, 2 * Math.log(zeta)) : null, 1),
+      // Without damping four times the stiffness leaves a half at most.
+      damped
+        ? cure("stiffer", "k", stiffness, endAlong(stiffness, 1))
+        : cure("stiffer", "k", stiffness, null, 0, 2 * Math.LN2),
+      cure("softer", "k", stiffness, damped ? endAlong(stiffness, -1) : null, 1),
       moreDamping(),
       slower(),
       { ...cure("faster", "v", by("v"), null, 1), end: damped ? v_c : null },
@@ -142,40 +132,4 @@ export function valueBeyond(p, { name, parameter, now }, end) {
   }
   // A double of mu_k may not tell so small a gap, nor one of the load so small a rest of force.
   return part || end;
-}
-
-/**
- * The damping ratio at which v_c over the mass has a minimum, with a load of `ratio` times the
- * weight; 0 where it has none.
- *
- * There e(zeta) = 2/(1 + X), where e is the logarithmic slope of v_c c/Delta_F over zeta and X the
- * load over the weight. As e falls with zeta, X rises from 3 to its first solution.
- *
- * @type {(zeta: number, ratio: number) => number}
- */
-function dipOf(zeta, ratio) {
-  if (!(ratio > 0)) return 0;
-  let X = 3;
-  let here = 0;
-  for (let step = 0; step < DIPS; step++) {
-    const next = zeta * Math.sqrt(X / ratio);
-    if (next === here) break;
-    here = next;
-    const slope = here < 1 ? slopeOfCritical(here) : 0;
-    if (!(slope > 0)) return 0;
-    X = 2 / slope - 1;
-  }
-  return here;
-}
-
-/**
- * Logarithmic slope of v_c c/Delta_F = 2 zeta/lambda_c over zeta, from the derivatives of (13).
- * @type {(zeta: number) => number}
- */
-function slopeOfCritical(zeta) {
-  const nu = nuOf(zeta);
-  const inverse = Math.exp(-logCriticalLambda(zeta));
-  const theta = Math.atan2(nu, inverse - zeta);
-  const turn = 2 * Math.PI - theta + Math.sin(theta) * Math.cos(theta);
-  return 1 - (zeta * turn * ((1 - zeta * inverse) ** 2 + (nu * inverse) ** 2)) / nu ** 3;
 }

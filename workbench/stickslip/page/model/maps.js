@@ -1,6 +1,6 @@
 /** Curves over speed and stiffness: the jump, the critical velocity, lines of equal jump. */
 
-import { jumpOn, sizeAlong } from "./along.js";
+import { jumpAlong, zeroFrom } from "./along.js";
 import { criticalVelocity } from "./critical.js";
 import { limitJump, steadyCycle } from "./cycle.js";
 import { nuOf, numbersOf } from "./friction.js";
@@ -74,9 +74,8 @@ export function equalJump(p, jump, low, high) {
     // A slip takes half a swing at least.
     if (!damped) softest = Math.max(softest, p.m * ((Math.PI * v) / jump) ** 2);
     // To the left of the line the speed may be above the critical one.
-    const length = jumpOn((log) => ({ ...p, k: Math.exp(log), v }), Infinity);
-    const to = damped ? Math.log(end.k) : NaN;
-    softest = Math.exp(sizeAlong(length, jump, Math.log(softest), to));
+    const excess = jumpAlong((log) => ({ ...p, k: Math.exp(log), v }), Infinity, jump);
+    softest = Math.exp(zeroFrom(excess, Math.log(softest), damped ? Math.log(end.k) : NaN));
     return { k: softest, v };
   });
 }
@@ -92,7 +91,8 @@ function endOfLine(p, jump, softest) {
     const k = Math.exp(log);
     return { ...p, k, v: criticalVelocity({ ...p, k }) };
   };
-  const { k, v } = way(sizeAlong((log) => limitJump(way(log)), jump, Math.log(softest), NaN));
+  const excess = (/** @type {number} */ log) => Math.log(limitJump(way(log)) / jump);
+  const { k, v } = way(zeroFrom(excess, Math.log(softest), NaN));
   return { k, v };
 }
 

@@ -4,12 +4,9 @@
  * from break-away just touches standstill.
  */
 
+import { zerosAlong } from "./along.js";
 import { chainOf, contactOf } from "./chain.js";
-import { zeroBetween } from "./root.js";
 
-/** Between coarse samples a range can hide where the margin is this small [1]. */
-const NEAR = 0.3;
-const FINER = 6;
 
 /** @type {(contact: Contact, v: number) => Pick<Regime, "sticks" | "even">} at one speed [m/s] */
 function regimeAt(contact, v) {
@@ -28,7 +25,9 @@ export function regimesOf(p, curve, low, high, step) {
   const knots = contact.bands
     .filter(({ oscillator }, n) => n && oscillator.a >= 0 !== contact.bands[n - 1].oscillator.a >= 0)
     .map((band) => band.low);
-  const ends = [...stickEnds(contact, low, high, step), ...knots]
+  const margin = (/** @type {number} */ log) => chainOf(contact, Math.exp(log)).margin;
+  const stickEnds = zerosAlong(margin, Math.log(low), Math.log(high), step).map(Math.exp);
+  const ends = [...stickEnds, ...knots]
     .filter((v) => v > low && v < high)
     .sort((a, b) => a - b);
   /** @type {Regime[]} */
@@ -41,40 +40,4 @@ export function regimesOf(p, curve, low, high, step) {
     else regimes.push({ low: from, high: to, sticks, even });
   });
   return regimes;
-}
-
-/**
- * The speeds [m/s] at which a slip from break-away begins or ceases to come to rest.
- * @type {(contact: Contact, low: number, high: number, step: number) => number[]}
- */
-function stickEnds(contact, low, high, step) {
-  const count = Math.ceil(Math.log(high / low) / step);
-  /** @type {(n: number) => [v: number, margin: number]} */
-  const sample = (n) => {
-    const v = low * (high / low) ** (n / count);
-    return [v, chainOf(contact, v).margin];
-  };
-  /** @type {number[]} */
-  const found = [];
-  /** @type {(a: [number, number], b: [number, number]) => void} */
-  const between = (a, b) => {
-    if (a[1] > 0 === b[1] > 0) return;
-    found.push(zeroBetween((v) => chainOf(contact, v).margin, a[0], b[0], a[1], b[1]));
-  };
-  let [before, here] = [sample(0), sample(0)];
-  for (let n = 1; n <= count; n++) {
-    const next = sample(n);
-    const turns = Math.abs(here[1]) < Math.min(NEAR, Math.abs(before[1]), Math.abs(next[1]));
-    // What touches 0 between two samples shows as a least margin.
-    if (turns && before[1] > 0 === here[1] > 0 && here[1] > 0 === next[1] > 0) {
-      let last = before;
-      for (let part = 1 - FINER; part <= FINER; part++) {
-        const finer = sample(n - 1 + part / FINER);
-        between(last, finer);
-        last = finer;
-      }
-    } else between(here, next);
-    [before, here] = [here, next];
-  }
-  return found;
 }
