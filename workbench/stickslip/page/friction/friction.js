@@ -42,10 +42,11 @@ export function makeFriction(page, curves, starts, reader) {
   const table = byId("friction-text");
   const bad = byId("friction-bad");
   const buttons = [...document.querySelectorAll("[data-curve]")];
-  const notes = ABOUT_CONSTANT.map((id) => {
+  const notes = ABOUT_CONSTANT.map((id, n) => {
     const note = document.createElement("p");
     note.className = "small";
-    note.textContent = "A friction curve is set; this is about constant μs and μk.";
+    const about = "A friction curve is set; this is about constant μs and μk.";
+    note.textContent = n ? about : "Not used: a friction curve is set.";
     byId(id).querySelector("h2, .typed").after(note);
     return note;
   });
