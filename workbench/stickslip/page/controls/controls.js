@@ -3,8 +3,7 @@
 import { kineticInUse, kineticStop, numbersOf } from "../model/friction.js";
 import { byId, on, setText } from "../view/dom.js";
 import { brief, scaleFor, shortest } from "../view/units.js";
-import { numberAt, placeSlider, sliderEnds } from "./slider.js";
-import { outOfRange, readTyped, typedText } from "./typed.js";
+import { numberAt, outOfRange, placeSlider, readTyped, sliderEnds, typedText } from "./values.js";
 
 /** A unit may be half typed: what is wrong with it is told when nothing more comes [ms]. */
 const HALF_TYPED = 900;

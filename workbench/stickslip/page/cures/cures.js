@@ -54,15 +54,11 @@ export function makeCures(page) {
   /** Returns what shows an offer in a cell: its value as a text, and what it is for. */
   function makeCell(cell, parameter) {
     const name = controlOf(parameter).label.toLowerCase();
-    const button = document.createElement("button");
-    const note = document.createElement("span");
-    note.className = "small";
-    button.hidden = true;
+    const [button, note] = cell.children;
     let value = NaN;
     on(button, "click", () => {
       set({ [parameter]: value }, `The ${name} is ${button.textContent}.`, button);
     });
-    cell.append(button, note);
     return (/** @type {Offer} */ offer, text, aim) => {
       value = offer.value;
       button.hidden = !text || offer.far;

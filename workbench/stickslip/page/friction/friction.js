@@ -50,15 +50,9 @@ export function makeFriction(page, curves, starts, reader) {
     byId(id).querySelector("h2, .typed").after(note);
     return note;
   });
-  const knobs = Array.from({ length: CURVE_POINTS.most }, (_, n) => {
-    const knob = document.createElement("div");
-    knob.className = "knob";
-    const label = `Point ${n + 1}: left and right change the speed, up and down μ`;
-    put(knob, { role: "slider", tabindex: 0, "aria-label": label });
-    speed.before(knob);
-    on(knob, "focus", () => (chosen = n));
-    return knob;
-  });
+  /** @type {HTMLElement[]} one for each point that a curve may have */
+  const knobs = [...svg.parentElement.querySelectorAll(".knob:not(#friction-v)")];
+  knobs.forEach((knob, n) => on(knob, "focus", () => (chosen = n)));
   /** @type {Curve} the curve in use, or the constant as one */
   let points = [];
   /** @type {{low: number, high: number, top: number}} ends of the axes */

@@ -1,7 +1,7 @@
 /** A friction curve as a CSV table: a line of speed and coefficient for each point, in rising order. */
 
 import { scaleFor } from "../view/units.js";
-import { typedText } from "../controls/typed.js";
+import { typedText } from "../controls/values.js";
 
 /** The columns that are looked for, each with its SI unit, which the heading of a speed must name. */
 const COLUMNS = [

@@ -1,9 +1,8 @@
 /** What a person takes along: data, pictures, the command line. */
 
-import { commandLine } from "./command.js";
-import { csvText } from "./csv.js";
 import { byId, on, setText } from "../view/dom.js";
 import { pictureOf, pngOf, resolvedStyle } from "./picture.js";
+import { commandLine, csvText } from "./texts.js";
 
 /** Pixels of the PNG to one of the page. */
 const FINENESS = 2;

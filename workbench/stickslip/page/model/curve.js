@@ -1,7 +1,7 @@
 /** A measured friction curve: straight lines between points of speed and coefficient. */
 
+import { oscillatorOf } from "./arc.js";
 import { numbersOf } from "./friction.js";
-import { oscillatorOf } from "./oscillator.js";
 
 /** Points of a curve at least and at most. */
 export const CURVE_POINTS = { least: 2, most: 12 };

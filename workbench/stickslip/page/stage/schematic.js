@@ -4,8 +4,7 @@ import { draw, put, setText } from "../view/dom.js";
 import { px } from "../view/frame.js";
 import { brief } from "../view/units.js";
 import { makeBlock, makeGround, makePlaces } from "./contact.js";
-import { makeGauge } from "./gauge.js";
-import { makeRuler } from "./ruler.js";
+import { makeGauge, makeRuler } from "./scales.js";
 import { makeScene } from "./scene.js";
 
 /** Pixels: left of the block, for the grip with its arrow, below the ground, for gauge and caption. */
