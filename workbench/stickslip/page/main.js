@@ -18,7 +18,7 @@ import { makeReader } from "./view/spelled.js";
 import { makeSaid } from "./said/said.js";
 import { makeSound } from "./sound/sound.js";
 import { makeSchematic } from "./stage/schematic.js";
-import { curveFlaw } from "./model/curve.js";
+import { curveFlaw } from "./model/friction.js";
 import { regimesOf } from "./model/regimes.js";
 import { harmonicsOfMotion } from "./model/harmonics.js";
 import { curesOf } from "./model/cures.js";

@@ -65,12 +65,13 @@ export function placeSlider(slider, { scale }, number, { low, high }) {
 }
 
 /**
- * The number, in the unit that is shown, that a slider's position means: three digits.
+ * The number, in the unit that is shown, that a slider's position means: of few digits.
  * @type {(slider: any, control: Control, ends: Ends) => string}
  */
 export function numberAt(slider, { scale }, { low, high }) {
   const share = slider.value / slider.max;
   const number = scale === "log" ? low * (high / low) ** share : high * share ** POWERS[scale];
-  // The end itself may have more.
-  return String(share === 1 ? high : Number(number.toPrecision(3)));
+  // Of a linear one three would tell too few apart; the end itself may have more.
+  const digits = scale === "linear" ? 4 : 3;
+  return String(share === 1 ? high : Number(number.toPrecision(digits)));
 }

@@ -1,10 +1,10 @@
 /** The friction curve: its points are dragged, and the bar under it says what each speed gives. */
 
 import { regimesOf } from "../model/regimes.js";
-import { CURVE_POINTS, coefficientAt } from "../model/curve.js";
+import { CURVE_POINTS, coefficientAt } from "../model/friction.js";
 import { save } from "../keeping/keeping.js";
 import { axisOf, decades, logAxis } from "../view/axis.js";
-import { byId, draw, on, put, setText } from "../view/dom.js";
+import { byId, draw, on, paths, put, setText } from "../view/dom.js";
 import { makeFrame, polyline, px, write } from "../view/frame.js";
 import { makeKnob } from "../view/knob.js";
 import { whenSeen } from "../view/seen.js";
@@ -34,10 +34,8 @@ export function makeFriction(page, curves, starts, reader) {
   const svg = byId("friction-chart");
   const frame = makeFrame(svg);
   const bar = byId("friction-bar");
-  const limit = draw(frame.curves, "path", { class: "threshold" });
+  const [limit, line, here] = paths(frame.curves, "threshold", "curve force", "cursor");
   const limitName = draw(frame.over, "text", { class: "note limit" });
-  const line = draw(frame.curves, "path", { class: "curve force" });
-  const here = draw(frame.curves, "path", { class: "cursor" });
   const speed = byId("friction-v");
   const table = byId("friction-text");
   const bad = byId("friction-bad");

@@ -2,7 +2,7 @@
 
 import { jumpOverSpeed, slowJump } from "../model/maps.js";
 import { decades, logAxis } from "../view/axis.js";
-import { byId, draw, put, setText } from "../view/dom.js";
+import { byId, draw, paths, put, setText } from "../view/dom.js";
 import { makeFrame, polyline, px, write } from "../view/frame.js";
 import { whenSeen } from "../view/seen.js";
 import { digits, quantity } from "../view/units.js";
@@ -11,9 +11,7 @@ import { digits, quantity } from "../view/units.js";
 export function makeJumpMap(page) {
   const frame = makeFrame(byId("jump-map"));
   const said = byId("jump-map-said");
-  const here = draw(frame.curves, "path", { class: "cursor" });
-  const constant = draw(frame.curves, "path", { class: "threshold" });
-  const curve = draw(frame.curves, "path", { class: "curve mass" });
+  const [here, constant, curve] = paths(frame.curves, "cursor", "threshold", "curve mass");
   const end = draw(frame.over, "path", { class: "centre" });
   const endName = draw(frame.over, "text", { class: "note", "text-anchor": "end" });
   const dot = draw(frame.over, "circle", { class: "dot", r: 4.5 });

@@ -3,7 +3,7 @@
 import { numbersOf } from "../model/friction.js";
 import { criticalCurve, equalJump } from "../model/maps.js";
 import { logAxis } from "../view/axis.js";
-import { byId, draw, on, put, setText } from "../view/dom.js";
+import { byId, draw, on, paths, put, setText } from "../view/dom.js";
 import { hatched, makeFrame, makeTexts, polyline, px, write } from "../view/frame.js";
 import { makeKnob } from "../view/knob.js";
 import { whenSeen } from "../view/seen.js";
@@ -30,8 +30,7 @@ export function makePlane(page) {
   const frame = makeFrame(svg);
   draw(hatched(svg, "plane-hatch", 7), "path", { class: "free-line", d: "M0 0V7" });
   const free = draw(frame.under, "path", { fill: "url(#plane-hatch)" });
-  const lines = draw(frame.curves, "path", { class: "level" });
-  const curve = draw(frame.curves, "path", { class: "curve mass" });
+  const [lines, curve] = paths(frame.curves, "level", "curve mass");
   const words = draw(frame.over, "text", { class: "note", "text-anchor": "middle" });
   const nameLines = makeTexts(frame.over, { class: "note" });
   /** @type {{k: Span, v: Span} | null} */
@@ -41,14 +40,11 @@ export function makePlane(page) {
   let drawn = "";
   let waiting = 0;
 
-  /** What the plane depends on: k and v are no part of it, their axes are. */
-  const key = () =>
-    [p.m, numbersOf(p).N, p.mu_s, p.mu_k, p.c, spans.k.low, spans.v.low, frame.area.width].join();
-
   function show({ motion, v_c }) {
     p = motion.p;
     if (!knob.isHeld()) spans = { k: spanFor(p.k, spans?.k), v: spanFor(p.v, spans?.v) };
-    const now = key();
+    // The plane depends on k and v by its axes alone.
+    const now = JSON.stringify([{ ...p, k: 0, v: 0 }, spans, frame.area.width]);
     if (now !== drawn) {
       drawn = now;
       drawPlane();

@@ -1,7 +1,6 @@
 /** One solver for cures, maps and the bar: zeros along a way through the settings. */
 
-import { logDepth } from "./critical.js";
-import { steadyCycle } from "./cycle.js";
+import { logDepth, steadyCycle } from "./cycle.js";
 import { numbersOf } from "./friction.js";
 import { zeroBetween } from "./root.js";
 

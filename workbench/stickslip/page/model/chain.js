@@ -9,8 +9,7 @@
  */
 
 import { arcState, courseOf } from "./arc.js";
-import { bandsOf } from "./curve.js";
-import { numbersOf } from "./friction.js";
+import { bandsOf, numbersOf } from "./friction.js";
 
 /** Rounding of a difference of forces, in parts of them. */
 const FORCE_SLACK = 2 ** -49;

@@ -4,8 +4,7 @@
  */
 
 import { jumpAlong, marginOf, zeroFrom, zerosAlong } from "./along.js";
-import { criticalVelocity, logCriticalLambda } from "./critical.js";
-import { limitJump, steadyCycle } from "./cycle.js";
+import { criticalVelocity, limitJump, logCriticalLambda, steadyCycle } from "./cycle.js";
 import { nuOf, numbersOf } from "./friction.js";
 
 /** Steps of the mass [ln] on the way to its limit, which a load may bring twice. */

@@ -1,8 +1,7 @@
 /** Curves over speed and stiffness: the jump, the critical velocity, lines of equal jump. */
 
 import { jumpAlong, zeroFrom } from "./along.js";
-import { criticalVelocity } from "./critical.js";
-import { limitJump, steadyCycle } from "./cycle.js";
+import { criticalVelocity, limitJump, steadyCycle } from "./cycle.js";
 import { nuOf, numbersOf } from "./friction.js";
 
 /** @typedef {{k: number, v: number}} PlanePoint stiffness [N/m], speed [m/s] */

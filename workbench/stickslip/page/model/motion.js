@@ -5,8 +5,7 @@
  * Any instant is reached at once and not from the one before, so nothing adds up over the cycles.
  */
 
-import { coefficientAt, isFlat } from "./curve.js";
-import { numbersOf } from "./friction.js";
+import { coefficientAt, isFlat, numbersOf } from "./friction.js";
 import { slipOf } from "./slip.js";
 import { twofoldOver, twofoldPlus, twofoldTimes, twoProduct, twoSum } from "./twofold.js";
 

@@ -1,6 +1,6 @@
 /** Block and ground with the teeth between them, and the places where the block stood. */
 
-import { draw, put, setText } from "../view/dom.js";
+import { draw, paths, put, setText } from "../view/dom.js";
 import { px, write } from "../view/frame.js";
 import { quantity } from "../view/units.js";
 
@@ -77,8 +77,7 @@ export function makeBlock(svg) {
  * @type {(svg: SVGSVGElement) => (layout: Layout, motion: Motion) => (state: State, start: number) => void}
  */
 export function makePlaces(svg) {
-  const outlines = draw(svg, "path", { class: "places" });
-  const length = draw(svg, "path", { class: "length" });
+  const [outlines, length] = paths(svg, "places", "length");
   const words = draw(svg, "text");
   return ({ left, block, body, tall, ground, scale }, { cycle }) => {
     const jump = cycle.exists ? cycle.delta_x : Infinity;
@@ -99,11 +98,10 @@ export function makePlaces(svg) {
       }
       put(outlines, { d });
       const measured = last >= first && apart >= ROOM_FOR_LENGTH && apart < Infinity;
-      const [a, b] = [middle + at(last), middle + (x - start) * scale];
-      const isLong = measured && b - a > MEASURED;
-      put(length, { d: isLong ? `M${px(a)} ${px(top)}v6m0 -3H${px(b)}m0 -3v6` : "" });
-      if (measured) write(words, mode === 0 ? text : "", 0.5 * (a + b), top - 3);
-      else setText(words, "");
+      // A place before any is out of sight.
+      const [a, b] = measured ? [middle + at(last), middle + (x - start) * scale] : [0, 0];
+      put(length, { d: b - a > MEASURED ? `M${px(a)} ${px(top)}v6m0 -3H${px(b)}m0 -3v6` : "" });
+      write(words, measured && mode === 0 ? text : "", 0.5 * (a + b), top - 3);
     };
   };
 }

@@ -2,7 +2,7 @@
 
 import { axisOf } from "../view/axis.js";
 import { loopPath, slipNodes } from "../view/curves.js";
-import { draw, put, setText } from "../view/dom.js";
+import { draw, paths, put } from "../view/dom.js";
 import { makeFrame, px, write } from "../view/frame.js";
 
 /** Swings of a slip without end that are drawn. */
@@ -11,15 +11,12 @@ const SWINGS = 20;
 /** Returns resize(), show(motion, ghost), mark(state). */
 export function makePortrait(svg) {
   const frame = makeFrame(svg);
-  const ghostCurve = draw(frame.curves, "path", { class: "curve ghost" });
-  const threshold = draw(frame.curves, "path", { class: "threshold" });
-  const whole = draw(frame.curves, "path", { class: "curve mass faint" });
-  const trail = draw(frame.curves, "path", { class: "curve trail" });
+  const looks = ["curve ghost", "threshold", "curve mass faint", "curve trail"];
+  const [ghostCurve, threshold, whole, trail] = paths(frame.curves, ...looks);
   const centre = draw(frame.over, "path", { class: "centre" });
   const centreName = draw(frame.over, "text", { class: "note" });
   const thresholdName = draw(frame.over, "text", { class: "note limit", "text-anchor": "end" });
   const dot = draw(frame.over, "circle", { class: "dot", r: 4.5 });
-  setText(thresholdName, "Fₛ/k");
   /** @type {Motion} */
   let motion = null;
 
@@ -38,7 +35,7 @@ export function makePortrait(svg) {
     put(whole, { d: loopPath(motion, frame, states, cycle.exists) });
     put(ghostCurve, { d: ghost ? loopPath(ghost, frame, others, ghost.cycle.exists) : "" });
     put(threshold, { d: frame.upright(z_s) });
-    put(thresholdName, { x: px(frame.x(z_s)) - 4, y: frame.area.top + 26 });
+    write(thresholdName, "Fₛ/k", px(frame.x(z_s)) - 4, frame.area.top + 26);
     const left = px(frame.x(z_even));
     const top = px(frame.y(p.v));
     put(centre, { d: `M${left - 5} ${top}h10M${left} ${top - 5}v10` });

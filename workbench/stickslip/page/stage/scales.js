@@ -4,7 +4,7 @@
  */
 
 import { roundStep } from "../view/axis.js";
-import { draw, put, setText } from "../view/dom.js";
+import { draw, paths, put, setText } from "../view/dom.js";
 import { makeTexts, px, write } from "../view/frame.js";
 import { quantity, scaleFor } from "../view/units.js";
 
@@ -23,8 +23,7 @@ const MARKS_APART = 58;
  */
 export function makeGauge(svg) {
   const group = draw(svg, "g", { class: "gauge" });
-  const tie = draw(group, "path", { class: "tie force" });
-  const track = draw(group, "path", { class: "rail" });
+  const [tie, track] = paths(group, "tie force", "rail");
   const bar = draw(group, "rect", { class: "bar force", height: THICK });
   const limit = draw(group, "path", { class: "limit" });
   const name = draw(group, "text", { class: "force" });

@@ -2,7 +2,7 @@
 
 import { axisOf } from "../view/axis.js";
 import { seenPhases, timePath } from "../view/curves.js";
-import { draw, put, setText } from "../view/dom.js";
+import { draw, paths, put, setText } from "../view/dom.js";
 import { hatched, makeFrame, makeTexts, px, write } from "../view/frame.js";
 import { quantity, scaleFor } from "../view/units.js";
 import { cyclesBegin } from "./stretch.js";
@@ -31,11 +31,9 @@ const LETTER = 6.2;
 export function makeTimeCharts(svgX, svgF) {
   const x = makeChart(svgX);
   const F = makeChart(svgF);
-  const ghosts = [x, F].map(({ frame }) => draw(frame.curves, "path", { class: "curve ghost" }));
-  const pull = draw(x.frame.curves, "path", { class: "curve pull" });
-  const position = draw(x.frame.curves, "path", { class: "curve mass" });
-  const threshold = draw(F.frame.curves, "path", { class: "threshold" });
-  const force = draw(F.frame.curves, "path", { class: "curve force" });
+  const [ghostX, pull, mass] = paths(x.frame.curves, "curve ghost", "curve pull", "curve mass");
+  const ofForce = ["curve ghost", "threshold", "curve force"];
+  const [ghostF, threshold, force] = paths(F.frame.curves, ...ofForce);
   const thresholdName = draw(F.frame.over, "text", { class: "note limit", "text-anchor": "end" });
   const pullName = draw(x.frame.over, "text", { class: "note pull" });
   const massName = draw(x.frame.over, "text", { class: "note mass", "text-anchor": "middle" });
@@ -60,9 +58,9 @@ export function makeTimeCharts(svgX, svgF) {
     // Whole cycles are seen against zero and the threshold; a detail for itself.
     if (seen.to - seen.from >= motion.beat) forces.push(0, numbers.F_s);
     F.frame.scale(time, axisOf(forces, "force", "F", 0.05, 0.22));
-    put(ghosts[0], { d: timePath(before, x.frame, "x", "x_dot") });
-    put(ghosts[1], { d: timePath(before, F.frame, "F", "F_dot") });
-    put(position, { d: timePath(phases, x.frame, "x", "x_dot") });
+    put(ghostX, { d: timePath(before, x.frame, "x", "x_dot") });
+    put(ghostF, { d: timePath(before, F.frame, "F", "F_dot") });
+    put(mass, { d: timePath(phases, x.frame, "x", "x_dot") });
     put(force, { d: timePath(phases, F.frame, "F", "F_dot") });
     const [start, end] = [seen.from, seen.to].map((t) => px(x.frame.y(p.v * t)));
     put(pull, { d: `M${left} ${start}L${right} ${end}` });

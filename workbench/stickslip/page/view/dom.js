@@ -33,6 +33,11 @@ export function setText(element, text) {
   if (element.textContent !== text) element.textContent = text;
 }
 
+/** @type {(parent: ParentNode, ...looks: string[]) => SVGElement[]} make a path of each class */
+export function paths(parent, ...looks) {
+  return looks.map((look) => draw(parent, "path", { class: look }));
+}
+
 /**
  * Make an SVG element with these attributes inside a parent.
  * @type {(parent: ParentNode, tag: string, attributes?: Record<string, any>) => SVGElement}

@@ -23,13 +23,8 @@ export function polyline(points) {
 
 /** The pattern of lines at 45 degrees that fills by `url(#id)`, each so many pixels from the next. */
 export function hatched(svg, id, apart) {
-  return draw(svg.querySelector("defs"), "pattern", {
-    id,
-    width: apart,
-    height: apart,
-    patternUnits: "userSpaceOnUse",
-    patternTransform: "rotate(45)",
-  });
+  const look = { patternUnits: "userSpaceOnUse", patternTransform: "rotate(45)" };
+  return draw(svg.querySelector("defs"), "pattern", { id, width: apart, height: apart, ...look });
 }
 
 /**

@@ -6,16 +6,10 @@ import { px } from "./frame.js";
 const ARROWS = { ArrowRight: [1, 0], ArrowLeft: [-1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] };
 
 /**
- * Bring a knob to life; it does not jump to the pointer that takes it.
+ * Bring a knob to life; it does not jump to the pointer that takes it. place(): where it is [px];
+ * move(x, y): it is wanted there [px]; step(right, up): so many steps of an arrow key, with Shift
+ * `more`; keys: what other keys do; drop(): it is let go.
  *
- * @param {HTMLElement} knob
- * @param {object} acts
- * @param {() => number[]} acts.place where it is, x and y [px]
- * @param {(x: number, y: number) => void} acts.move it is wanted there [px]
- * @param {(right: number, up: number) => void} acts.step so many steps of an arrow key
- * @param {number} acts.more with Shift a key is so many steps
- * @param {Record<string, () => void>} acts.keys what other keys do
- * @param {() => void} acts.drop it is let go
  * @returns isHeld(); put(x, y, now, ends, words): at a place [px], with its value, least and most,
  *   and words for who cannot see it
  */

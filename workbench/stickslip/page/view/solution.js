@@ -1,8 +1,7 @@
 /** A setting solved: all that the page shows of it. */
 
-import { criticalVelocity, firstOrderCriticalVelocity } from "../model/critical.js";
-import { isFlat } from "../model/curve.js";
-import { simplified } from "../model/cycle.js";
+import { isFlat } from "../model/friction.js";
+import { criticalVelocity, firstOrderCriticalVelocity, simplified } from "../model/cycle.js";
 import { motionOf } from "../model/motion.js";
 
 /** Cycles in the first load-up beyond which the time of one is lost in the time of all. */
