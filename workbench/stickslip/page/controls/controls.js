@@ -42,7 +42,7 @@ export function makeControls(table, reader, accept) {
       slider: byId(`${name}-slider`),
       track: box.querySelector(".track"),
       ends: box.querySelectorAll(".ends span"),
-      said: box.querySelector(".said"),
+      said: byId(`${name}-said`),
     };
     on(row.slider, "input", () => slide(row));
     on(row.slider, "blur", () => show(row, null, false));

@@ -43,14 +43,12 @@ export function regimesInWords(regimes, v, calms) {
   const [least, most] = [regimes[0].low, regimes[regimes.length - 1].high];
   /** @type {(is: (regime: Regime) => boolean) => string} */
   const where = (is) => {
-    /** @type {[number, number][]} */
-    const ranges = [];
-    for (const regime of regimes.filter(is)) {
-      const last = ranges[ranges.length - 1];
-      if (last?.[1] === regime.low) last[1] = regime.high;
-      else ranges.push([regime.low, regime.high]);
-    }
-    const words = ranges.map(([low, high]) => {
+    // What ends where the next begins is one range with it.
+    const found = regimes.filter(is);
+    const lows = found.filter(({ low }) => !found.some(({ high }) => high === low));
+    const highs = found.filter(({ high }) => !found.some(({ low }) => low === high));
+    const words = lows.map(({ low }, n) => {
+      const { high } = highs[n];
       const [from, to] = [low, high].map((end) => quantity(end, "velocity"));
       if (low === least) return high === most ? "at every speed shown" : `up to ${to}`;
       return high === most ? `from ${from} on` : `from ${from} to ${to}`;

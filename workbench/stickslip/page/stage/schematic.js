@@ -136,12 +136,10 @@ function makeSpring(svg) {
     const bends = 2 * Math.floor((shortest - 2 * lead) / 4.4);
     const pitch = (length - 2 * lead) / bends;
     const wide = Math.min(0.2 * tall, 12);
-    let points = `${px(left)},${level} ${px(left + lead)},${level}`;
-    for (let i = 0; i < bends; i++) {
-      points += ` ${px(left + lead + (i + 0.5) * pitch)},${level + (i % 2 ? wide : -wide)}`;
-    }
-    points += ` ${px(left + length - lead)},${level} ${px(left + length)},${level}`;
-    put(spring, { points });
+    const places = [[0, 0], [lead, 0]];
+    for (let i = 0; i < bends; i++) places.push([lead + (i + 0.5) * pitch, i % 2 ? wide : -wide]);
+    places.push([length - lead, 0], [length, 0]);
+    put(spring, { points: places.map(([x, y]) => `${px(left + x)},${level + y}`).join(" ") });
   };
 }
 
