@@ -28,7 +28,7 @@ import { makeStory } from "./story/story.js";
 import { makeStretch } from "./stage/stretch.js";
 import { makeTimeCharts } from "./stage/timecharts.js";
 
-const seen = makeStretch();
+const seen = makeStretch(redrawTime);
 const charts = makeTimeCharts(byId("x-chart"), byId("F-chart"));
 const portrait = makePortrait(byId("phase-chart"));
 const schematic = makeSchematic(byId("schematic"));
@@ -210,9 +210,7 @@ resize();
 const resizes = new ResizeObserver(resize);
 for (const element of document.querySelectorAll("svg, #stage")) resizes.observe(element);
 on(window, "hashchange", takeAddress);
-for (const chart of charts.charts) {
-  listen(chart, seen, { read: player.point, changed: redrawTime });
-}
+for (const chart of charts.charts) listen(chart, seen, player.point);
 const moves = {
   "zoom-in": () => seen.zoom(0.5),
   "zoom-out": () => seen.zoom(2),
@@ -223,17 +221,12 @@ const moves = {
     seen.fromStart();
     player.rewind();
   },
+  forget: () => {
+    ghost = null;
+    redraw();
+  },
 };
-for (const [id, move] of Object.entries(moves)) {
-  on(byId(id), "click", () => {
-    move();
-    redrawTime();
-  });
-}
-on(byId("forget"), "click", () => {
-  ghost = null;
-  redraw();
-});
+for (const [id, move] of Object.entries(moves)) on(byId(id), "click", move);
 if (!matchMedia("(prefers-reduced-motion: reduce)").matches) player.play();
 
 /** For scripts and tests: the page's unrounded values, SI. */
@@ -258,7 +251,6 @@ window.stickslip = {
   },
   set view({ from, to }) {
     seen.choose(from, to);
-    redrawTime();
   },
 };
 const shown = {

@@ -8,11 +8,11 @@ const CLICK = 6;
 const NEAREST = 12;
 
 /**
- * Listen to a chart: read(t) says that the pointer is at t [s], or null: it left; changed() that the
- * stretch of time is another.
- * @type {(chart: Chart, stretch: Stretch, say: Record<"read" | "changed", any>) => void}
+ * Listen to a chart, and choose the stretch of time; read(t) says that the pointer is at t [s], or
+ * null: it left.
+ * @type {(chart: Chart, stretch: Stretch, read: (t: number | null) => void) => void}
  */
-export function listen(chart, stretch, { read, changed }) {
+export function listen(chart, stretch, read) {
   const { svg, area } = chart.frame;
   let began = null;
   /** @type {Map<number, number>} places of the fingers [px] */
@@ -40,11 +40,11 @@ export function listen(chart, stretch, { read, changed }) {
     if (!(perPixel > 0)) return;
     const from = held[0] - (a - area.left) * perPixel;
     stretch.choose(from, from + area.width * perPixel);
-    changed();
   };
   const lift = (event) => {
     fingers.delete(event.pointerId);
     held = [];
+    end();
   };
 
   on(svg, "pointerdown", (event) => {
@@ -65,31 +65,20 @@ export function listen(chart, stretch, { read, changed }) {
     if (began !== null && Math.abs(place - began) > CLICK) chart.choose(began, place);
   });
   on(svg, "pointerup", (event) => {
-    const place = placeOf(event);
+    const [from, to] = [began, placeOf(event)];
     lift(event);
-    const times = began === null ? [] : [timeAt(began), timeAt(place)].sort((a, b) => a - b);
-    const chosen = began !== null && Math.abs(place - began) > CLICK;
-    end();
-    if (!chosen) return;
-    stretch.choose(...times);
-    changed();
+    if (from === null || Math.abs(to - from) <= CLICK) return;
+    stretch.choose(...[timeAt(from), timeAt(to)].sort((a, b) => a - b));
   });
-  on(svg, "pointercancel", (event) => {
-    lift(event);
-    end();
-  });
+  on(svg, "pointercancel", lift);
   on(window, "keydown", ({ key }) => key === "Escape" && end());
   on(svg, "pointerleave", () => read(null));
-  on(svg, "dblclick", () => {
-    stretch.reset();
-    changed();
-  });
+  on(svg, "dblclick", stretch.reset);
   const zoom = (event) => {
     if (!event.ctrlKey && !event.metaKey) return;
     event.preventDefault();
     const turn = Math.min(Math.max(0.002 * event.deltaY, -2), 2);
     stretch.zoom(Math.exp(turn), timeAt(placeOf(event)));
-    changed();
   };
   on(svg, "wheel", zoom, { passive: false });
 }

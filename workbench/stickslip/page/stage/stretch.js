@@ -12,8 +12,11 @@ const MOST_ZOOMED_OUT = 200;
 /** The shortest stretch, as a part of a swing. */
 const LEAST_ZOOMED_IN = 1e-5;
 
-/** Keep the stretch of time [s]: the whole picture, until a person chooses another. */
-export function makeStretch() {
+/**
+ * Keep the stretch of time [s]: the whole picture, until a person chooses another.
+ * @param {() => void} changed called when one is chosen
+ */
+export function makeStretch(changed) {
   /** @type {Motion} */
   let motion = null;
   /** @type {"cycles" | "start" | "chosen"} */
@@ -37,6 +40,7 @@ export function makeStretch() {
   function showWhole(wanted) {
     kind = wanted;
     lay(usual(motion));
+    changed();
   }
 
   const stretch = {
@@ -76,6 +80,7 @@ export function makeStretch() {
       stretch.from = Math.max(0.5 * (start + end) - 0.5 * span, 0);
       stretch.to = Math.min(stretch.from + span, latest(stretch.from));
       kind = "chosen";
+      changed();
     },
     /** @type {(factor: number, at?: number) => void} grow about what stays in place [s] */
     zoom(factor, at = 0.5 * (stretch.from + stretch.to)) {
