@@ -94,15 +94,10 @@ export function motionOf(p, curve = null) {
 
   /** @type {(from: number, to: number) => Generator<Transition>} */
   function* events(from, to) {
-    for (const { kind, n, start, end } of phases(from, to)) {
-      const isEvent = kind === "slip" || n > 0;
-      if (isEvent && start >= from && start <= to) {
-        yield { t: start, kind: kind === "slip" ? "break-away" : "re-stick" };
-      }
-      // A stick of no length is no phase, but the mass does come to rest and break away.
-      if (kind === "slip" && cycle.t_stick === 0 && end >= from && end <= to) {
-        yield { t: end, kind: "re-stick" };
-      }
+    for (let n = from > first ? lastBreakAway(from) : 0; breakAway(n) <= to; n++) {
+      if (breakAway(n) >= from) yield { t: breakAway(n), kind: "break-away" };
+      const end = reStick(n);
+      if (end >= from && end <= to) yield { t: end, kind: "re-stick" };
     }
   }
 

@@ -31,8 +31,7 @@ export function makeSchematic(svg) {
   const layGround = makeGround(svg);
   const layRuler = makeRuler(svg);
   const layGauge = makeGauge(svg);
-  const stretchSpring = makeSpring(svg);
-  const pull = makePull(svg);
+  const laySpring = makeSpring(svg);
   const layBlock = makeBlock(svg);
   const scene = makeScene(svg);
   let show = null;
@@ -46,15 +45,15 @@ export function makeSchematic(svg) {
 
   function arrange(motion, seen) {
     const layout = layoutOf(motion, seen, width, height, scene.shape());
-    const { left, block, scale, shortest, base, level, way } = layout;
+    const { left, block, scale, shortest, base, way } = layout;
     const origin = motion.at(seen.from).x;
     layGround(layout);
     const placeMarks = layPlaces(layout, motion);
     const turnRuler = layRuler(layout, way);
     const fill = layGauge(layout, motion);
     const placeBlock = layBlock(layout, motion);
+    const stretch = laySpring(layout, motion);
     scene.lay(layout);
-    pull.name(motion.p.v);
     let shown = null;
 
     show = (state) => {
@@ -69,8 +68,7 @@ export function makeSchematic(svg) {
       const length = shortest + Math.max((state.z - base) * scale, 0);
       placeMarks(state, start);
       placeBlock(state, at);
-      stretchSpring(right, length, layout);
-      pull.place(right + length, level);
+      stretch(right, length);
       fill(state.z, right);
     };
   }
@@ -128,31 +126,27 @@ function reachOf({ curve, numbers, cycle, slip, z_s, z_even, first }, seen, way)
   return { base, most, end };
 }
 
-/** Returns what stretches the spring from a place to a length [px]. */
+/** Returns what names the speed of the pull; that returns what stretches the spring up to it [px]. */
 function makeSpring(svg) {
   const spring = draw(svg, "polyline", { class: "spring force" });
   const lead = 8;
-  return (left, length, { level, shortest, tall }) => {
+  const pull = draw(svg, "g", { class: "pull" });
+  draw(pull, "use", { "data-part": "pull" });
+  draw(pull, "circle", { r: 5 });
+  draw(pull, "path", { d: "M5 0H48" });
+  draw(pull, "path", { class: "head", d: "M60 0l-14 -6v12z" });
+  const name = draw(pull, "text", { x: 31, y: -10 });
+  return ({ level, shortest, tall }, { p }) => {
+    setText(name, brief(p.v, "velocity"));
     const bends = 2 * Math.floor((shortest - 2 * lead) / 4.4);
-    const pitch = (length - 2 * lead) / bends;
     const wide = Math.min(0.2 * tall, 12);
-    const places = [[0, 0], [lead, 0]];
-    for (let i = 0; i < bends; i++) places.push([lead + (i + 0.5) * pitch, i % 2 ? wide : -wide]);
-    places.push([length - lead, 0], [length, 0]);
-    put(spring, { points: places.map(([x, y]) => `${px(left + x)},${level + y}`).join(" ") });
-  };
-}
-
-/** Returns what names the speed of the pulled end [m/s], and what puts it at a place [px]. */
-function makePull(svg) {
-  const group = draw(svg, "g", { class: "pull" });
-  draw(group, "use", { "data-part": "pull" });
-  draw(group, "circle", { r: 5 });
-  draw(group, "path", { d: "M5 0H48" });
-  draw(group, "path", { class: "head", d: "M60 0l-14 -6v12z" });
-  const name = draw(group, "text", { x: 31, y: -10 });
-  return {
-    name: (v) => setText(name, brief(v, "velocity")),
-    place: (left, level) => put(group, { transform: `translate(${px(left)} ${px(level)})` }),
+    return (left, length) => {
+      const pitch = (length - 2 * lead) / bends;
+      const places = [[0, 0], [lead, 0]];
+      for (let i = 0; i < bends; i++) places.push([lead + (i + 0.5) * pitch, i % 2 ? wide : -wide]);
+      places.push([length - lead, 0], [length, 0]);
+      put(spring, { points: places.map(([x, y]) => `${px(left + x)},${level + y}`).join(" ") });
+      put(pull, { transform: `translate(${px(left + length)} ${px(level)})` });
+    };
   };
 }
