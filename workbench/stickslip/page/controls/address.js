@@ -33,10 +33,8 @@ export function hashOf(values) {
 }
 
 /**
- * Keep the address bar.
- *
- * @returns write(values): write them once they have been still a moment; step(before, after):
- *   the setting changes at one press, so that the browser's Back brings `before` back
+ * Keep the address bar. write(values): once they have been still a moment; step(before, after): the
+ * setting changes at one press, so that the browser's Back brings `before` back.
  */
 export function makeAddress() {
   let waiting = 0;

@@ -4,8 +4,6 @@ import { byId, on, setText } from "../view/dom.js";
 import { pictureOf, pngOf, resolvedStyle } from "./picture.js";
 import { commandLine, csvText } from "./texts.js";
 
-/** Pixels of the PNG to one of the page. */
-const FINENESS = 2;
 /** How long a button says what it has done [ms]. */
 const CONFIRMED = 3000;
 
@@ -85,11 +83,7 @@ export function makeKeeping(page, stretch, reader) {
     return pictureOf(svgs, style, settingInWords(p, curve));
   }
 
-  function png() {
-    const { text, width, height } = picture();
-    const background = getComputedStyle(document.body).backgroundColor;
-    return pngOf(text, width, height, FINENESS, background);
-  }
+  const png = () => pngOf(picture(), getComputedStyle(document.body).backgroundColor);
 
   return {
     refresh() {

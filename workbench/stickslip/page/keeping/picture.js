@@ -5,6 +5,8 @@ import { draw, put, setText } from "../view/dom.js";
 /** Pixels between two drawings of the picture, and above them for its caption. */
 const GAP = 8;
 const TITLE = 40;
+/** Pixels of the PNG to one of the page. */
+const FINENESS = 2;
 
 /**
  * CSS with every var(--name) replaced by its value at an element, for use away from the page.
@@ -19,11 +21,12 @@ export function resolvedStyle(cssText, element) {
   );
 }
 
+/** @typedef {{text: string, width: number, height: number}} Picture an SVG document of a size [px] */
+
 /**
- * Drawings of the page one above the other as an SVG document that stands alone, under the lines of a
- * title, and its size [px]; in the style, without custom properties, `.sheet` is the background.
- * @type {(svgs: SVGSVGElement[], style: string, title: string[]) =>
- *   {text: string, width: number, height: number}}
+ * Drawings of the page one above the other, under the lines of a title, as a document that stands
+ * alone; in the style, without custom properties, `.sheet` is the background.
+ * @type {(svgs: SVGSVGElement[], style: string, title: string[]) => Picture}
  */
 export function pictureOf(svgs, style, title) {
   const width = Math.max(...svgs.map((svg) => svg.clientWidth));
@@ -48,18 +51,13 @@ export function pictureOf(svgs, style, title) {
   return { text: `<?xml version="1.0" encoding="UTF-8"?>\n${text}`, ...size };
 }
 
-/**
- * An SVG document of this size [px] as a PNG, `scale` pixels of it to one of the document, on a
- * background [CSS colour].
- * @type {(text: string, width: number, height: number, scale: number, background: string) =>
- *   Promise<Blob>}
- */
-export async function pngOf(text, width, height, scale, background) {
+/** @type {(picture: Picture, background: string) => Promise<Blob>} on a background [CSS colour] */
+export async function pngOf({ text, width, height }, background) {
   const image = new Image();
   image.src = `data:image/svg+xml;charset=utf-8,${encodeURIComponent(text)}`;
   const canvas = document.createElement("canvas");
-  canvas.width = Math.round(width * scale);
-  canvas.height = Math.round(height * scale);
+  canvas.width = Math.round(width * FINENESS);
+  canvas.height = Math.round(height * FINENESS);
   await image.decode();
   const context = canvas.getContext("2d");
   context.fillStyle = background;

@@ -36,12 +36,8 @@ export function curesOf(p) {
   /**
    * A cure by its way: `end` is the logarithm at which the cycle ends, if it does; `last` that of the
    * range, without one it goes on downwards; `least` the jump there over that now.
-   *
-   * @param {CureName} name
-   * @param {Lever} parameter
-   * @param {Way} way
-   * @param {number | null} end
-   * @returns {Cure}
+   * @type {(name: CureName, parameter: Lever, way: Way, end: number | null, least?: number,
+   *   last?: number) => Cure}
    */
   function cure(
     name,

@@ -3,14 +3,7 @@
 import { nuOf, numbersOf } from "./friction.js";
 import { zeroBetween } from "./root.js";
 
-/**
- * A slip of the cycle in plain numbers.
- *
- * @typedef {object} PlainSlip
- * @property {number} duration in units of 1/w
- * @property {number} relief of the spring, in units of v/w
- * @property {number} peak largest velocity of the mass, in units of v
- */
+/** In units of 1/w, v/w and v. @typedef {{duration: number, relief: number, peak: number}} PlainSlip */
 /** @type {PlainSlip} */
 const NO_SLIP = { duration: NaN, relief: NaN, peak: NaN };
 

@@ -22,10 +22,9 @@ const THUD = { pitch: 70, decay: 0.025, length: 0.15, rate: 8000 };
 const NOTES = ["c", "c♯", "d", "d♯", "e", "f", "f♯", "g", "g♯", "a", "a♯", "b"];
 
 /**
- * Bring the button to life; nothing sounds before it is pressed.
- *
+ * Bring the button to life; nothing sounds before it is pressed. show(): let the sound follow;
+ * record(seconds): its samples at 48 kHz.
  * @param {Page} page
- * @returns show(solution): let the sound follow; record(seconds): its samples at 48 kHz
  */
 export function makeSound(page) {
   const button = byId("sound");

@@ -9,13 +9,12 @@ const SCRUB_STEPS = 1000;
 const LONGEST_BREAK = 0.1;
 
 /**
- * Bring play, scrub and speed to life.
+ * Bring play, scrub and speed to life: show(t) is called with the time of the cursor [s], and tell(t)
+ * gives its numbers in words, for who cannot see them.
  *
- * @param {Stretch} stretch the stretch of time
- * @param {(t: number) => void} show called with the time of the cursor [s]
- * @param {(t: number) => string} tell the cursor's numbers in words, for who cannot see them
- * @returns refresh(): after another stretch or setting; point(t): follow the pointer, or
- *   null: let go; play(); rewind()
+ * @param {Stretch} stretch
+ * @returns refresh(): after another stretch or setting; point(t): follow the pointer, or null: let go;
+ *   play(); rewind()
  */
 export function makePlayer(stretch, show, tell) {
   const button = byId("play");

@@ -9,10 +9,8 @@ const UNITS = 100;
 const CAPTION_LETTER = 7;
 
 /**
- * Bring the drawings to the parts that take one, and to either end of the ground.
- *
- * @param {SVGSVGElement} svg
- * @returns dress(id, words): take the drawing of an application; shape(): of its body; lay(layout)
+ * Bring the drawings to the parts that take one, and to either end of the ground. dress(id, words):
+ * take the drawing of an application; shape(): of its body; lay(layout).
  */
 export function makeScene(svg) {
   for (const part of ["left", "right"]) {

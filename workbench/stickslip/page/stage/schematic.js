@@ -16,12 +16,9 @@ const SEEN = 1.5;
 const ROUNDING = 1e-6;
 
 /**
- * Draw the model in an empty SVG element.
+ * Draw the model in an empty SVG element. What is shown depends on the setting, the stretch of time
+ * and the state alone, so time may run either way. All is drawn once, and then moved.
  *
- * What is shown depends on the setting, the stretch of time and the state alone, so time may run
- * either way. All is drawn once; a setting or a state only moves it.
- *
- * @param {SVGSVGElement} svg
  * @returns dress(id, words): take the drawing of an application, described in words; resize(): the
  *   element has another size; arrange(motion, seen): draw a motion over a stretch of time;
  *   show(state): put everything where a state of motion.at has it

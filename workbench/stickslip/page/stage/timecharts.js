@@ -21,12 +21,8 @@ const MOST_GHOSTS = 60;
 const LETTER = 6.2;
 
 /**
- * Bring the two charts to life.
- *
- * @param {SVGSVGElement} svgX for the position
- * @param {SVGSVGElement} svgF for the force
- * @returns charts: both; resize(); show(motion, seen, ghost): draw them, and beside them the steady
- *   cycles of a ghost; mark(state): move the cursor there
+ * Bring the charts of position and force to life. show(motion, seen, ghost): draw them, and beside
+ * them the steady cycles of a ghost; mark(state): move the cursor there.
  */
 export function makeTimeCharts(svgX, svgF) {
   const x = makeChart(svgX);

@@ -5,11 +5,9 @@ import { byId, on, put } from "../view/dom.js";
 /**
  * The story changes no setting before the reader starts it.
  *
- * @param {Page} page
- * @param {Step[]} steps
- * @returns take(hash, moved): open the step that an address such as "#step=4" asks for, false if it
- *   asks for none; moved: whether the reader is to be led there; address(): the part of an address
- *   that opens the step shown while its setting is in use, else null
+ * @type {(page: Page, steps: Step[]) => any} take(hash, moved): open the step that an address such as
+ *   "#step=4" asks for, and lead the reader there, false if it asks for none; address(): the part of
+ *   an address that opens the step shown while its setting is in use, else null
  */
 export function makeStory(page, steps) {
   const articles = steps.map((_, at) => byId(`step=${at + 1}`));

@@ -10,10 +10,8 @@ const MANY = 100;
 /**
  * Make the reader of quantities from the command's own tables: units that take a prefix and others,
  * each with its size as a fraction and exponents of the base units; prefixes; names of quantities by
- * SI unit.
- *
- * @returns read(text, unit, shown): a quantity of the dimension of `unit`; valueOf(number, unit):
- *   the double, SI, nearest to a decimal number of a unit
+ * SI unit. read(text, unit, shown): a quantity of the dimension of `unit`; valueOf(number, unit): the
+ * double, SI, nearest to a decimal number of a unit.
  */
 export function makeReader({ prefixable, alone, prefixes, kinds }) {
   /** The unit of a spelling, or null if it is not understood. */
