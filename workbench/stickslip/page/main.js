@@ -107,7 +107,6 @@ const page = {
     redrawSoon();
   },
   setting: controls.setting,
-  curve: () => curve,
   isUsed(values, points = null) {
     const setting = Object.entries(controls.setting());
     const isSet = setting.every(([name, value]) => (values[name] ?? value) === value);
@@ -255,7 +254,7 @@ window.stickslip = {
 };
 const shown = {
   setting: controls.setting,
-  curve: page.curve,
+  curve: () => curve,
   cycle: () => solution.motion.cycle,
   simplified: () => solution.simple,
   criticalVelocity: () => solution.v_c,

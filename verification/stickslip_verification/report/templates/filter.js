@@ -10,13 +10,11 @@
     const asked = text.value.trim().toLowerCase();
     const active = Boolean(failed.checked || kind.value || asked);
     const has = (part) => part.textContent.toLowerCase().includes(asked);
-    const fits = ({ classList }) =>
-      !(failed.checked && classList.contains("pass")) &&
-      (!kind.value || classList.contains(kind.value));
+    const wanted = (kind.value && `.${kind.value}`) + (failed.checked ? ":not(.pass)" : "");
     boxes.forEach((box, n) => {
       const named = [...box.querySelectorAll(".name, .title")].some(has);
       for (const row of box.querySelectorAll("tbody tr:not(.kind)")) {
-        row.hidden = !(fits(row) && (named || has(row)));
+        row.hidden = !(row.matches(wanted || "*") && (named || has(row)));
       }
       for (const group of box.querySelectorAll("tbody")) {
         group.hidden = !group.querySelector("tr:not(.kind):not([hidden])");

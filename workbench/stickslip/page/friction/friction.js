@@ -53,9 +53,7 @@ export function makeFriction(page, curves, starts, reader) {
   knobs.forEach((knob, n) => on(knob, "focus", () => (chosen = n)));
   /** @type {Curve} the curve in use, or the constant as one */
   let points = [];
-  /** @type {{low: number, high: number, top: number}} ends of the axes */
   let span = null;
-  /** @type {Regime[]} */
   let regimes = [];
   let chosen = 1;
   let waiting = 0;
@@ -143,7 +141,7 @@ export function makeFriction(page, curves, starts, reader) {
 
   const handles = [...knobs, speed].map((knob, at) => {
     const n = knob === speed ? -1 : at;
-    const now = () => (n < 0 ? [page.setting().v, 0] : (page.curve() ?? points)[n]);
+    const now = () => (n < 0 ? [page.setting().v, 0] : (page.solution().motion.curve ?? points)[n]);
     return makeKnob(knob, {
       place() {
         const [u, mu] = now();
@@ -170,7 +168,7 @@ export function makeFriction(page, curves, starts, reader) {
   on(byId("point-more"), "click", () => {
     // What is drawn may be a press behind. Half-way to the next point, as the axis is; beyond the
     // last at twice its speed.
-    points = page.curve() ?? points;
+    points = page.solution().motion.curve ?? points;
     const n = Math.min(chosen, points.length - 1);
     const [[low], [high]] = [points[n], points[n + 1] ?? [2 * points[n][0]]];
     const u = Number((points[n + 1] ? Math.sqrt((low || 0.1 * high) * high) : high).toPrecision(3));
@@ -178,7 +176,7 @@ export function makeFriction(page, curves, starts, reader) {
     take({}, points.toSpliced(n + 1, 0, [u, coefficientAt(points, u)]));
   });
   on(byId("point-less"), "click", () => {
-    points = page.curve() ?? points;
+    points = page.solution().motion.curve ?? points;
     const n = Math.min(Math.max(chosen, 1), points.length - 1);
     chosen = n - 1;
     if (points.length > CURVE_POINTS.least) take({}, points.toSpliced(n, 1));

@@ -33,9 +33,7 @@ export function makePlane(page) {
   const [lines, curve] = paths(frame.curves, "level", "curve mass");
   const words = draw(frame.over, "text", { class: "note", "text-anchor": "middle" });
   const nameLines = makeTexts(frame.over, { class: "note" });
-  /** @type {{k: Span, v: Span} | null} */
   let spans = null;
-  /** @type {Setting} */
   let p = null;
   let drawn = "";
   let waiting = 0;

@@ -28,9 +28,7 @@ const NOTES = ["c", "c♯", "d", "d♯", "e", "f", "f♯", "g", "g♯", "a", "a�
  */
 export function makeSound(page) {
   const button = byId("sound");
-  /** @type {AudioContext | null} */
   let context = null;
-  /** @type {(() => void) | null} */
   let fade = null;
   let waiting = 0;
   const isOn = () => button.getAttribute("aria-pressed") === "true";

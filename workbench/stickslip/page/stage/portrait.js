@@ -17,7 +17,6 @@ export function makePortrait(svg) {
   const centreName = draw(frame.over, "text", { class: "note" });
   const thresholdName = draw(frame.over, "text", { class: "note limit", "text-anchor": "end" });
   const dot = draw(frame.over, "circle", { class: "dot", r: 4.5 });
-  /** @type {Motion} */
   let motion = null;
 
   function show(next, ghost) {

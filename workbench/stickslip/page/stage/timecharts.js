@@ -108,9 +108,7 @@ export function makeTimeCharts(svgX, svgF) {
 
   return {
     charts: [x, F],
-    resize() {
-      for (const { frame } of [x, F]) frame.resize();
-    },
+    resize: () => [x, F].forEach(({ frame }) => frame.resize()),
     show,
     mark(state) {
       x.mark(state.t, state.x);
@@ -177,10 +175,7 @@ function ghostOf(ghost, motion, { from, to }, width) {
   }));
 }
 
-/**
- * Write a note where it is inside the plot [px], else hide it.
- * @type {(element: Element, words: string, left: number, top: number, frame: Frame) => void}
- */
+/** Write a note where it is inside the plot [px], else hide it. */
 function note(element, words, left, top, { area }) {
   if (words && top > area.top && top < area.bottom) write(element, words, left, top);
   else setText(element, "");

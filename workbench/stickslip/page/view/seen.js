@@ -12,7 +12,6 @@ const UNSEEN_STILL = 250;
  *   (solution: Solution) => void}
  */
 export function whenSeen(id, page, frames, show) {
-  /** @type {Solution | null} */
   let latest = null;
   let sized = !frames.length;
   let inSight = false;

@@ -12,7 +12,6 @@
  * @property {(values: Partial<Setting>, look?: Look) => void} set take these values [SI], the
  *   others stay; throws a RangeError with the reason if they are refused
  * @property {() => Setting} setting the values in use
- * @property {() => Curve | null} curve the friction curve in use, null for constant friction
  * @property {(values: Partial<Setting>, curve?: Curve | null) => boolean} isUsed whether these
  *   values [SI] are in use, with constant friction unless a curve is given
  * @property {() => Solution} solution the setting solved
@@ -29,11 +28,8 @@
  * @typedef {{from: number, to: number}} Seen a stretch of time [s]
  * @typedef {ReturnType<typeof import("../stage/stretch.js").makeStretch>} Stretch
  *
- * @typedef {object} SeenPhase a phase as it is drawn
- * @property {"stick" | "slip"} kind
- * @property {number} start [s], cut to what is seen
- * @property {number} end [s], cut to what is seen
- * @property {State[]} points exact states in it
+ * @typedef {Omit<Phase, "n"> & {points: State[]}} SeenPhase a phase as it is drawn: cut to what is
+ *   seen [s], with exact states in it
  *
  * @typedef {{size: number, unit: string}} Scale a unit and its size [SI]
  *
@@ -54,8 +50,6 @@
  * @typedef {any} Sentence what a sentence asks of the stage, as said.toml explains it
  * @typedef {any} Step of the story, as story.toml explains it
  *
- * @typedef {object} Offer what a cell of the table of cures offers
- * @property {number} [value] of the parameter [SI]; without one the words say why there is none
- * @property {string} words
- * @property {boolean} [far] whether the value is out of reach
+ * @typedef {{words: string, value?: number, far?: boolean}} Offer of a cure: a value of its parameter
+ *   [SI], without one the words say why there is none; far: whether it is out of reach
  */
