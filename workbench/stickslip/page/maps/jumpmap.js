@@ -1,6 +1,7 @@
 /** The jump over the speed: the exact curve, the handbooks' constant and the present point. */
 
-import { jumpOverSpeed, slowJump } from "../model/maps.js";
+import { slowJump } from "../model/cycle.js";
+import { jumpOverSpeed } from "../model/maps.js";
 import { decades, logAxis } from "../view/axis.js";
 import { byId, draw, paths, put, setText } from "../view/dom.js";
 import { makeFrame, polyline, px, write } from "../view/frame.js";

@@ -4,8 +4,8 @@
  */
 
 import { jumpAlong, marginOf, zeroFrom, zerosAlong } from "./along.js";
-import { criticalVelocity, limitJump, logCriticalLambda, steadyCycle } from "./cycle.js";
-import { nuOf, numbersOf } from "./friction.js";
+import { criticalVelocity, limitJump, logCriticalLambda, slowJump, steadyCycle } from "./cycle.js";
+import { numbersOf } from "./friction.js";
 
 /** Steps of the mass [ln] on the way to its limit, which a load may bring twice. */
 const STEP = 0.05;
@@ -63,11 +63,6 @@ export function curesOf(p) {
     return cure("damping", "c", damping, lambda_ > 0 ? endAlong(damping, 1, light) : -Infinity);
   }
 
-  function slower() {
-    const decay = damped ? Math.exp((-Math.PI * zeta) / nuOf(zeta)) : 1;
-    return cure("slower", "v", by("v"), null, ((lambda_ * p.v) / w / delta_x) * (1 + decay));
-  }
-
   /** @type {(name: CureName, parameter: Lever, way: Way) => Cure} */
   function smallerGap(name, parameter, way) {
     const end = damped && lambda_ > 0 ? logCriticalLambda(zeta) - Math.log(lambda_) : null;
@@ -98,7 +93,7 @@ export function curesOf(p) {
         : cure("stiffer", "k", stiffness, null, 0, 2 * Math.LN2),
       cure("softer", "k", stiffness, damped ? endAlong(stiffness, -1) : null, 1),
       moreDamping(),
-      slower(),
+      cure("slower", "v", by("v"), null, slowJump(p) / delta_x),
       { ...cure("faster", "v", by("v"), null, 1), end: damped ? v_c : null },
       smallerGap("gap", "mu_k", gap),
       smallerGap("normal force", "load", by("load", (factor) => N * factor - weight)),

@@ -45,6 +45,12 @@ export function limitJump(p) {
   return (p.v / w) * (lambda_ + angle / nu);
 }
 
+/** @type {(p: Setting) => number} the jump [m] of a slow pull; 2 Delta without damping */
+export function slowJump(p) {
+  const { Delta, zeta } = numbersOf(p);
+  return Delta * (1 + Math.exp((-Math.PI * zeta) / nuOf(zeta)));
+}
+
 /**
  * The slip of the cycle, (7), (8), (11); with damping (13), where a slip from rest may never end.
  *

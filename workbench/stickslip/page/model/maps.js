@@ -2,7 +2,7 @@
 
 import { jumpAlong, zeroFrom } from "./along.js";
 import { criticalVelocity, limitJump, steadyCycle } from "./cycle.js";
-import { nuOf, numbersOf } from "./friction.js";
+import { numbersOf } from "./friction.js";
 
 /** @typedef {{k: number, v: number}} PlanePoint stiffness [N/m], speed [m/s] */
 
@@ -26,12 +26,6 @@ export function jumpOverSpeed(p, low, high) {
     // At the very end rounding decides whether there is a cycle.
     return { v, jump: exists ? delta_x : limitJump({ ...p, v }) };
   });
-}
-
-/** @type {(p: Setting) => number} the jump [m] of a slow pull; 2 Delta without damping */
-export function slowJump(p) {
-  const { Delta, zeta } = numbersOf(p);
-  return Delta * (1 + Math.exp((-Math.PI * zeta) / nuOf(zeta)));
 }
 
 /**

@@ -52,7 +52,6 @@ export function makeBlock(svg) {
     const inset = TOOTH.wide * Math.floor((0.6 * round * block) / TOOTH.wide);
     put(pointer, { d: `M${px(0.5 * block - 4)} 9h8l-4 6z` });
     const fastest = cycle.exists ? cycle.x_dot_peak : 2 * p.v;
-    let shown = null;
     return ({ mode, x_dot }, left) => {
       put(group, { transform: `translate(${px(left)} ${px(ground)})` });
       // In stick the teeth stand in those of the ground, wherever the block stopped.
@@ -62,8 +61,6 @@ export function makeBlock(svg) {
       const long = STREAK * Math.min(Math.max(x_dot, 0) / fastest, 1);
       const lines = [0.25, 0.5, 0.75].map((h) => `M-5 ${px(-h * body)}h${px(-long)}`);
       put(streaks, { d: mode === 0 ? "" : lines.join("") });
-      if (mode === shown) return;
-      shown = mode;
       put(group, { class: mode === 0 ? "mass stick" : "mass slip" });
       put(lifted, { transform: `translate(0 ${mode === 0 ? 0 : -TOOTH.deep - TOOTH.lift})` });
       setText(word, mode === 0 ? "STICK" : "SLIP");

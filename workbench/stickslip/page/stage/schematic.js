@@ -51,15 +51,13 @@ export function makeSchematic(svg) {
     const placeBlock = layBlock(layout, motion);
     const stretch = laySpring(layout, motion);
     scene.lay(layout);
-    let shown = null;
 
     show = (state) => {
       // A new window begins with a stick, but for the one that ends the view.
       const late = state.t < seen.to ? ROUNDING : -ROUNDING;
       const window = Math.max(Math.floor((state.x - origin) / way + late), 0);
       const start = origin + window * way;
-      if (window !== shown) turnRuler(start);
-      shown = window;
+      turnRuler(start);
       const at = left + (state.x - start) * scale;
       const right = at + block;
       const length = shortest + Math.max((state.z - base) * scale, 0);
