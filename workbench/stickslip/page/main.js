@@ -12,7 +12,6 @@ import { listen } from "./stage/pointer.js";
 import { makePortrait } from "./stage/portrait.js";
 import { likest, makeApplications } from "./applications/applications.js";
 import { makeFriction } from "./friction/friction.js";
-import { makeReadouts } from "./stage/readouts.js";
 import { makeResults } from "./results/results.js";
 import { makeReader } from "./view/spelled.js";
 import { makeSaid } from "./said/said.js";
@@ -33,7 +32,6 @@ const seen = makeStretch(redrawTime);
 const charts = makeTimeCharts(byId("x-chart"), byId("F-chart"));
 const portrait = makePortrait(byId("phase-chart"));
 const schematic = makeSchematic(byId("schematic"));
-const readouts = makeReadouts();
 const showResults = makeResults();
 const address = makeAddress();
 const reader = makeReader(data.units);
@@ -49,17 +47,7 @@ let linked = false;
 /** @type {Motion | null} the setting before, for comparison */
 let ghost = null;
 
-const player = makePlayer(
-  seen,
-  (t) => {
-    const state = solution.motion.at(t);
-    charts.mark(state);
-    portrait.mark(state);
-    schematic.show(state);
-    readouts.show(state);
-  },
-  (t) => readouts.tell(solution.motion.at(t)),
-);
+const player = makePlayer(seen, [charts, portrait, schematic]);
 
 const controls = makeControls(data.controls, reader, (p) => {
   const wrong = curve && curveFlaw(curve, p.mu_s);
@@ -109,8 +97,8 @@ const page = {
   },
   setting: controls.setting,
   isUsed(values, points = null) {
-    const setting = Object.entries(controls.setting());
-    const isSet = setting.every(([name, value]) => (values[name] ?? value) === value);
+    const wanted = Object.entries(controls.wanted());
+    const isSet = wanted.every(([name, value]) => (values[name] ?? value) === value);
     return isSet && `${points}` === `${curve}`;
   },
   solution: () => solution,
@@ -156,9 +144,8 @@ function redraw() {
 function redrawTime() {
   charts.show(solution.motion, seen, ghost);
   schematic.arrange(solution.motion, seen);
-  readouts.fit(solution.motion, seen);
   keeping.refresh();
-  player.refresh();
+  player.show(solution.motion);
 }
 
 function resize() {

@@ -5,8 +5,6 @@ import { scaleFor, shortest } from "../view/units.js";
 
 /** Options that are named even where they are as the FMU starts. */
 const ALWAYS = ["k", "v", "mu_s", "mu_k"];
-/** More transitions than this are left out of a file: it would grow without showing more. */
-const TRANSITIONS_AT_MOST = 100000;
 
 /**
  * The command that repeats a run up to a time [s], or up to 1 % later: one line for a shell, whose
@@ -58,9 +56,8 @@ export function csvText(motion, from, to, samples = 2000) {
 
 /** Even times and those of the transitions, rising, each once. */
 function timesOf(motion, from, to, samples) {
-  const few = !motion.cycle.exists || (2 * (to - from)) / motion.cycle.T < TRANSITIONS_AT_MOST;
   const times = new Set([to]);
   for (let i = 0; i < samples; i++) times.add(from + ((to - from) * i) / samples);
-  if (few) for (const { t } of motion.events(from, to)) times.add(t);
+  for (const { t } of motion.events(from, to)) times.add(t);
   return Float64Array.from(times).sort();
 }

@@ -1,6 +1,5 @@
 /** Sentences that are often said: one click sets the stage. */
 
-import { kineticInUse } from "../model/friction.js";
 import { on, put } from "../view/dom.js";
 
 /**
@@ -16,7 +15,7 @@ export function makeSaid(page, sentences, starts) {
       chosen = id;
       page.set(values, { over: before && { ...values, ...before }, from, curve });
     });
-    return { id, button, curve, values: { ...values, mu_k: kineticInUse(values.mu_s, values.mu_k) } };
+    return { id, button, curve, values };
   });
   return () => {
     for (const { id, button, values, curve } of rows) {

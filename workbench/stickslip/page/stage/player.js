@@ -1,6 +1,7 @@
-/** The cursor's time: it plays, is scrubbed, or follows the pointer. */
+/** The cursor: its time, which plays, is scrubbed or follows the pointer, and the numbers there. */
 
 import { byId, on, setText } from "../view/dom.js";
+import { fixed, scaleFor } from "../view/units.js";
 
 /** How long the view takes to play, where no speed is chosen [s]. */
 const VIEW = 10;
@@ -9,17 +10,22 @@ const SCRUB_STEPS = 1000;
 const LONGEST_BREAK = 0.1;
 
 /**
- * Bring play, scrub and speed to life: show(t) is called with the time of the cursor [s], and tell(t)
- * gives its numbers in words, for who cannot see them.
+ * Bring play, scrub and speed to life; what is to be marked shows a state by mark(state).
  *
  * @param {Stretch} stretch
- * @returns refresh(): after another stretch or setting; point(t): follow the pointer, or null: let go;
- *   play(); rewind()
+ * @param {{mark: (state: State) => void}[]} marked
+ * @returns show(motion): after another stretch or setting; point(t): follow the pointer, or null: let
+ *   go; play(); rewind()
  */
-export function makePlayer(stretch, show, tell) {
+export function makePlayer(stretch, marked) {
   const button = byId("play");
   const scrub = byId("scrub");
   const speed = byId("speed");
+  const [atTime, ofX, ofF, ofZ] = ["now", "x-now", "F-now", "z-now"].map(byId);
+  /** @type {Motion} */
+  let motion = null;
+  /** @type {Partial<Record<"t" | "x" | "x_dot" | "z" | "F", Scale & {decimals: number}>>} */
+  let scales = {};
   // Where cursor and pointer are in what is seen, from 0 to 1: both stay there when that changes.
   let share = 0;
   /** @type {number | null} */
@@ -32,8 +38,19 @@ export function makePlayer(stretch, show, tell) {
 
   function refresh() {
     scrub.value = Math.round(share * SCRUB_STEPS);
-    if (!playing) scrub.setAttribute("aria-valuetext", tell(now()));
-    show(now());
+    const state = motion.at(now());
+    for (const drawing of marked) drawing.mark(state);
+    const word = state.mode === 0 ? "sticks" : "slips";
+    const [t, x, x_dot, z, F] = Object.keys(scales).map((name) => fixed(state[name], scales[name]));
+    const pull = fixed(state.x_pull, scales.x);
+    setText(atTime, `${t}, ${word}`);
+    setText(ofX, `x ${x}, pulled end ${pull}`);
+    setText(ofF, `F ${F}`);
+    setText(ofZ, `ẋ ${x_dot}, z ${z}`);
+    if (playing) return;
+    // For who cannot see it.
+    const told = `mass at ${x}, pulled end at ${pull}, spring force ${F}, velocity ${x_dot}`;
+    scrub.setAttribute("aria-valuetext", `${t}: ${word}, ${told}`);
   }
 
   function step(stamp) {
@@ -71,7 +88,22 @@ export function makePlayer(stretch, show, tell) {
   });
 
   return {
-    refresh,
+    show(next) {
+      motion = next;
+      const { cycle, numbers, slip, p, z_s } = motion;
+      const { to } = stretch;
+      // Without friction the spring is as long as its swing.
+      const longest = Math.max(z_s + (slip.overshoot?.growth ?? 0), p.v / numbers.w);
+      // While the cursor moves, units and decimals stand still.
+      scales = {
+        t: rangeOf(to, "time", stretch.span()),
+        x: rangeOf(p.v * to, "length", p.v * stretch.span()),
+        x_dot: rangeOf(cycle.exists ? cycle.x_dot_peak : p.v, "velocity"),
+        z: rangeOf(longest, "length"),
+        F: rangeOf(p.k * longest, "force"),
+      };
+      refresh();
+    },
     point(t) {
       pointed = t === null ? null : (t - stretch.from) / stretch.span();
       if (!playing) share = pointed ?? share;
@@ -83,4 +115,11 @@ export function makePlayer(stretch, show, tell) {
       refresh();
     },
   };
+}
+
+/** A unit for values up to `largest`, and decimals for differences of a thousandth of `range` [SI]. */
+function rangeOf(largest, kind, range = largest) {
+  const scale = scaleFor(largest, kind);
+  const decimals = Math.ceil(3 - Math.log10(range / scale.size));
+  return { ...scale, decimals: Math.min(Math.max(decimals, 0), 15) };
 }

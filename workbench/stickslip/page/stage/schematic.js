@@ -21,7 +21,7 @@ const ROUNDING = 1e-6;
  *
  * @returns dress(id, words): take the drawing of an application, described in words; resize(): the
  *   element has another size; arrange(motion, seen): draw a motion over a stretch of time;
- *   show(state): put everything where a state of motion.at has it
+ *   mark(state): put everything where a state of motion.at has it
  */
 export function makeSchematic(svg) {
   const layPlaces = makePlaces(svg);
@@ -31,7 +31,7 @@ export function makeSchematic(svg) {
   const laySpring = makeSpring(svg);
   const layBlock = makeBlock(svg);
   const scene = makeScene(svg);
-  let show = null;
+  let mark = null;
   // The size [px]; asking the browser at every redraw would cost a layout.
   let [width, height] = [0, 0];
 
@@ -52,7 +52,7 @@ export function makeSchematic(svg) {
     const stretch = laySpring(layout, motion);
     scene.lay(layout);
 
-    show = (state) => {
+    mark = (state) => {
       // A new window begins with a stick, but for the one that ends the view.
       const late = state.t < seen.to ? ROUNDING : -ROUNDING;
       const window = Math.max(Math.floor((state.x - origin) / way + late), 0);
@@ -68,7 +68,7 @@ export function makeSchematic(svg) {
     };
   }
 
-  return { dress: scene.dress, resize, arrange, show: (state) => show(state) };
+  return { dress: scene.dress, resize, arrange, mark: (state) => mark(state) };
 }
 
 /**

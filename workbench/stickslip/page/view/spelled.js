@@ -14,6 +14,8 @@ const MANY = 100;
  * double, SI, nearest to a decimal number of a unit.
  */
 export function makeReader({ prefixable, alone, prefixes, kinds }) {
+  for (const table of [prefixable, alone, prefixes]) Object.setPrototypeOf(table, null);
+
   /** The unit of a spelling, or null if it is not understood. */
   function unitOf(spelling) {
     const text = spelling === "-" ? "" : spelling;
@@ -37,9 +39,9 @@ export function makeReader({ prefixable, alone, prefixes, kinds }) {
     const [, symbol, digits, raised] = FACTOR.exec(text) ?? [];
     if (!symbol) return null;
     const power = side * Number(digits ?? (raised === "³" ? 3 : raised === "²" ? 2 : 1));
-    let [size, prefix] = [own(alone, symbol) ?? own(prefixable, symbol), [1, 1]];
+    let [size, prefix] = [alone[symbol] ?? prefixable[symbol], [1, 1]];
     if (!size) {
-      [prefix, size] = [own(prefixes, symbol[0]), own(prefixable, symbol.slice(1))];
+      [prefix, size] = [prefixes[symbol[0]], prefixable[symbol.slice(1)]];
       if (!prefix || !size) return null;
     }
     const [top, bottom] = [0, 1].map((n) => BigInt(size[n] * prefix[n]) ** BigInt(Math.abs(power)));
@@ -86,10 +88,6 @@ export function makeReader({ prefixable, alone, prefixes, kinds }) {
 /** @type {(text: string) => string} short enough to be said again */
 export function shortened(text) {
   return text.length > 14 ? `${text.slice(0, 12)}…` : text;
-}
-
-function own(table, symbol) {
-  return Object.hasOwn(table, symbol) ? table[symbol] : undefined;
 }
 
 function same(one, other) {

@@ -13,7 +13,7 @@
  *   others stay; throws a RangeError with the reason if they are refused
  * @property {() => Setting} setting the values in use
  * @property {(values: Partial<Setting>, curve?: Curve | null) => boolean} isUsed whether these
- *   values [SI] are in use, with constant friction unless a curve is given
+ *   values [SI] are asked for, with constant friction unless a curve is given
  * @property {() => Solution} solution the setting solved
  * @property {() => string} link an address of the page with the setting in use
  *

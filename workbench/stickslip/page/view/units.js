@@ -2,16 +2,10 @@
 
 import { data } from "./dom.js";
 
-/**
- * Sizes [SI] and units of each kind of quantity, falling, and from how many of it on a unit is
- * better read than the next smaller one.
- * @type {Record<string, [size: number, unit: string, enough: number][]>}
- */
-const SCALES = data.scales;
-
 /** @type {(value: number, kind: string) => Scale} in which a value [SI] is read best */
 export function scaleFor(value, kind) {
-  const scales = SCALES[kind];
+  // Sizes [SI] and units, falling, and from how many on one is better read than the next smaller one.
+  const scales = data.scales[kind];
   const magnitude = Math.abs(value);
   const found = scales.find(([size, , enough]) => magnitude >= size * enough);
   const home = scales.find(([size]) => size === 1) ?? scales[0];
