@@ -217,8 +217,7 @@ for (const [id, move] of Object.entries(moves)) on(byId(id), "click", move);
 if (!matchMedia("(prefers-reduced-motion: reduce)").matches) player.play();
 
 /** For scripts and tests: the page's unrounded values, SI. */
-// @ts-expect-error A property that the page adds to its window.
-window.stickslip = {
+window["stickslip"] = {
   set(values, next) {
     setAll(values, next);
     redraw();
@@ -248,6 +247,5 @@ const shown = {
   criticalVelocity: () => solution.v_c,
 };
 for (const [name, get] of Object.entries(shown)) {
-  // @ts-expect-error The same.
-  Object.defineProperty(window.stickslip, name, { get });
+  Object.defineProperty(window["stickslip"], name, { get });
 }

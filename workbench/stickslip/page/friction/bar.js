@@ -10,8 +10,7 @@ const NAME_LETTER = 6.4;
 
 /** @type {(regime: Pick<Regime, "sticks" | "even">) => string} what a regime is called */
 export function nameOfRegime({ sticks, even }) {
-  if (sticks) return even ? "sticks or even" : "sticks";
-  return even ? "even" : "swings";
+  return sticks ? (even ? "sticks or even" : "sticks") : even ? "even" : "swings";
 }
 
 /** What fills a regime: the hatches of the charts and of the plane. */

@@ -9,8 +9,6 @@ import { makeKnob } from "../view/knob.js";
 import { whenSeen } from "../view/seen.js";
 import { brief, quantity } from "../view/units.js";
 
-/** @typedef {{low: number, high: number}} Span SI */
-
 /** Decades of each axis. */
 const DECADES = 4;
 /** Where the point is nearer to an edge than this part of the axis, the axis is placed anew. */
@@ -154,7 +152,7 @@ export function makePlane(page) {
 
 /**
  * The ends of an axis, whole decades: those in use while the value is well inside them.
- * @type {(value: number, old?: Span) => Span}
+ * @type {(value: number, old: {low: number, high: number} | undefined) => typeof old}
  */
 function spanFor(value, old) {
   const share = old ? Math.log(value / old.low) / Math.log(old.high / old.low) : 0;

@@ -63,16 +63,15 @@ export function makeTimeCharts(svgX, svgF) {
     put(threshold, { d: F.frame.level(numbers.F_s) });
     const level = px(F.frame.y(numbers.F_s));
     const above = level - top > ROOM_ABOVE ? -6 : 13;
-    const F_s = quantity(numbers.F_s, "force");
-    note(thresholdName, `Fₛ = ${F_s}`, right - 4, level + above, F.frame);
+    const limit = `Fₛ = ${quantity(numbers.F_s, "force")}`;
+    note(thresholdName, limit, right - 4, level + above, F.frame);
     nameCurves(motion, seen, phases);
     showOvershoot(motion, seen, phases);
     x.shade(phases);
     F.shade(phases);
     const wide = phases.filter(({ start, end }) => widthOf(start, end) >= ROOM_FOR_NAME);
-    nameBands(
-      wide.map(({ kind, start, end }) => [kind, x.frame.x(0.5 * (start + end)), bottom - 5]),
-    );
+    const middle = ({ start, end }) => x.frame.x(0.5 * (start + end));
+    nameBands(wide.map((phase) => [phase.kind, middle(phase), bottom - 5]));
   }
 
   /** Write the names of mass and pulled end at their curves, where these are apart. */
@@ -91,16 +90,17 @@ export function makeTimeCharts(svgX, svgF) {
   }
 
   function showOvershoot({ numbers, p, slip }, seen, phases) {
-    const height = slip.overshoot ? p.k * slip.overshoot.growth : 0;
-    const top = F.frame.y(numbers.F_s + height);
+    const { tau, growth } = slip.overshoot ?? { tau: 0, growth: 0 };
+    const height = p.k * growth;
+    const { area, y } = F.frame;
+    const top = y(numbers.F_s + height);
     const first = phases.find(({ kind, start }) => kind === "slip" && start > seen.from);
-    const left = first ? F.frame.x(first.start + (slip.overshoot?.tau ?? 0)) : Infinity;
-    const { area } = F.frame;
+    const left = first ? F.frame.x(first.start + tau) : Infinity;
     const words = `F passes Fₛ by ${quantity(height, "force")}`;
     const width = LETTER * words.length;
     // Beside the title of the axis, not on it.
     const leftmost = area.left + 60;
-    const isHigh = F.frame.y(numbers.F_s) - top >= ROOM_FOR_OVERSHOOT;
+    const isHigh = y(numbers.F_s) - top >= ROOM_FOR_OVERSHOOT;
     const room = isHigh && leftmost + width < area.right;
     const at = Math.min(Math.max(left + 4, leftmost), area.right - width);
     note(overshoot, room && left < area.right ? words : "", at, top - 4, F.frame);

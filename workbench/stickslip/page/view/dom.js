@@ -15,20 +15,14 @@ export function on(element, type, act, options) {
   element.addEventListener(type, act, options);
 }
 
-/**
- * Give an element these attributes; the same value again would cost a layout.
- * @type {(element: Element, attributes: Record<string, any>) => void}
- */
+/** @type {(element: Element, attributes: object) => void} the same value again would cost a layout */
 export function put(element, attributes) {
   for (const [name, value] of Object.entries(attributes)) {
     if (element.getAttribute(name) !== `${value}`) element.setAttribute(name, value);
   }
 }
 
-/**
- * Give an element this text; the same text again would cost a layout.
- * @type {(element: Element, text: string) => void}
- */
+/** @type {(element: Element, text: string) => void} the same text again would cost a layout */
 export function setText(element, text) {
   if (element.textContent !== text) element.textContent = text;
 }
@@ -38,10 +32,7 @@ export function paths(parent, ...looks) {
   return looks.map((look) => draw(parent, "path", { class: look }));
 }
 
-/**
- * Make an SVG element with these attributes inside a parent.
- * @type {(parent: ParentNode, tag: string, attributes?: Record<string, any>) => SVGElement}
- */
+/** @type {(parent: ParentNode, tag: string, attributes?: object) => SVGElement} made in a parent */
 export function draw(parent, tag, attributes = {}) {
   const element = /** @type {SVGElement} */ (document.createElementNS(SVG, tag));
   put(element, attributes);

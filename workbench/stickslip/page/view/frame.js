@@ -28,13 +28,12 @@ export function hatched(svg, id, apart) {
 }
 
 /**
- * Make a chart's frame in an empty svg element.
+ * Make a chart's frame in an empty svg element. under, curves, over: groups to draw in; resize(): the
+ * element has another size; scale(x, y): the axes, each of `axisOf` or `logAxis`; x(value), y(value):
+ * pixels; valueAtX(x), valueAtY(y): back; upright(value), level(value): a line across the plot as path
+ * data; area: the plot's rectangle [px].
  *
  * @param {SVGSVGElement} svg
- * @returns under, curves, over: groups to draw in; resize(): the element has another size;
- *   scale(x, y): the axes, each of `axisOf` or `logAxis`; x(value), y(value): pixels; valueAtX(x),
- *   valueAtY(y): back; upright(value), level(value): a line across the plot as path data; area: the
- *   plot's rectangle [px]
  */
 export function makeFrame(svg) {
   const clip = draw(draw(draw(svg, "defs"), "clipPath", { id: `${svg.id}-clip` }), "rect");

@@ -9,12 +9,11 @@ const MOST_CYCLES = 1e9;
 
 /** @type {(p: Setting, curve?: Curve | null) => Solution} a curve takes the place of mu_k */
 export function solve(p, curve = null) {
-  const isFlatOne = curve && isFlat(curve);
-  const used = isFlatOne ? { ...p, mu_k: curve[0][1] } : p;
+  const isBent = curve && !isFlat(curve);
   const solution = {
     motion: motionOf(p, curve),
     simple: simplified(p),
-    v_c: curve && !isFlatOne ? NaN : criticalVelocity(used),
+    v_c: isBent ? NaN : criticalVelocity(curve ? { ...p, mu_k: curve[0][1] } : p),
     v_c_simple: firstOrderCriticalVelocity(p),
     constant: null,
   };

@@ -56,10 +56,9 @@ export function makeReader({ prefixable, alone, prefixes, kinds }) {
 
   return {
     /**
-     * Read a quantity of the dimension of an SI unit; a number without a unit has the one shown. The
-     * value is the finite double nearest to it; inUnit: whether the text names a unit.
-     * @type {(text: string, unit: string, shown: string) =>
-     *   {value?: number, wrong?: string, inUnit: boolean}}
+     * A number without a unit has the one shown. The value is the finite double nearest to it; inUnit:
+     * whether the text names a unit.
+     * @returns {{value?: number, wrong?: string, inUnit: boolean}}
      */
     read(text, unit, shown) {
       const typed = text.trim();

@@ -30,10 +30,7 @@ export function digits(value, count = 4) {
   return plain.replace(/^-/, "−");
 }
 
-/**
- * A quantity [SI] as text, such as "6.305 mm"; a dash where it is no number.
- * @type {(value: number, kind: string, scale?: Scale) => string}
- */
+/** @type {(value: number, kind: string, scale?: Scale) => string} such as "6.305 mm", or a dash */
 export function quantity(value, kind, scale = scaleFor(value, kind)) {
   if (!Number.isFinite(value)) return "–";
   const number = digits(value / scale.size);
