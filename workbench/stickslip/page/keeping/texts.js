@@ -14,8 +14,7 @@ const ALWAYS = ["k", "v", "mu_s", "mu_k"];
  */
 export function commandLine(p, to, reader, isCurved) {
   const options = data.controls
-    .filter(({ start }) => start !== undefined)
-    .filter(({ name }) => !(isCurved && name === "mu_k"))
+    .filter(({ name, start }) => start !== undefined && !(isCurved && name === "mu_k"))
     .filter(({ name, start }) => ALWAYS.includes(name) || p[name] !== start)
     .map(({ name, kind }) => `--${name.replace("_", "-")} ${asTyped(p[name], kind, reader)}`);
   const law = isCurved ? "--law stribeck --curve curve.csv " : "";

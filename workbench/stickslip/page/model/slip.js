@@ -26,9 +26,7 @@ export function slipOf(p, curve) {
   const here = contact.bands.find(({ high }) => v < high)?.oscillator ?? contact.bands[0].oscillator;
   const slow = Math.max(here.slow, 0);
   return {
-    cycle: isConstant
-      ? steadyCycle(p)
-      : cycleOf(p, spring_drop / v, t_slip, rests ? peak : NaN),
+    cycle: isConstant ? steadyCycle(p) : cycleOf(p, spring_drop / v, t_slip, rests ? peak : NaN),
     slip: {
       ...playing,
       overshoot: peak > v ? { tau: longest, growth: playing.at(longest).growth } : null,

@@ -75,8 +75,8 @@ export function makeFrame(svg) {
       path += level(value);
       // What the margin cannot hold stands inside, above its line.
       const inside = WIDE * text.length > MARGIN.left - 5;
-      if (inside) labels.push([text, area.left + 4, y(value) - 3, "start"]);
-      else labels.push([text, area.left - 5, y(value) + 4, "end"]);
+      const [beside, below, anchor] = inside ? [4, -3, "start"] : [-5, 4, "end"];
+      labels.push([text, area.left + beside, y(value) + below, anchor]);
     }
     label(labels);
     put(grid, { d: path });
