@@ -8,7 +8,7 @@ import { criticalVelocity, limitJump, logCriticalLambda, slowJump, steadyCycle }
 import { numbersOf } from "./friction.js";
 
 /** Steps of the mass [ln] on the way to its limit, which a load may bring twice. */
-const STEP = 0.05;
+const STEP = 0.02;
 /** A rounded value is this near to the limit. */
 const NEAR_LIMIT = 0.02;
 
