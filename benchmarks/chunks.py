@@ -9,15 +9,14 @@ import tempfile
 import time
 from collections import deque
 from collections.abc import Iterator
-from concurrent.futures import Future
-from contextlib import closing, contextmanager
+from concurrent.futures import Executor, Future
+from contextlib import contextmanager
 from pathlib import Path
 
 from benchmarks.settings import Busy
-from stickslip_design.chunks.run import Processes, Workers
-from stickslip_design.chunks.run import cluster_of as cluster
-from stickslip_design.chunks.store import Chunk, Store
-from stickslip_design.chunks.work import STUDY, Done, begun, compute, key_of, manifest_of, work
+from stickslip_design.chunks.run import cluster_of, processes
+from stickslip_design.chunks.store import Chunk, Done, Store, begun, compute, manifest_of, work
+from stickslip_design.datasets import digest_of
 
 CHUNKS = 1000
 AHEAD = 8
@@ -31,23 +30,23 @@ def measure_chunks() -> tuple[float, float, float]:
         folder = Path(name)
         study = Busy(CHUNKS)
         store, manifest = Store(str(folder / "study")), manifest_of(study)
-        store.write(STUDY, pickle.dumps(study))
-        of = store.address, key_of(manifest)
+        of = store.address, digest_of(manifest)
         chunks = [Chunk(start, start + 1) for start in range(CHUNKS)]
         with begun(store, manifest, fresh=False):
+            store.write("study.pickle", pickle.dumps(study))
             begin = time.perf_counter()
             for chunk in chunks:
-                compute(store, study, key_of(manifest), chunk)
+                compute(store, study, digest_of(manifest), chunk)
             here = (time.perf_counter() - begin) / CHUNKS
-            with closing(Processes(1)) as workers:
+            with processes(1)[0]() as workers:
                 process = _time_of_a_chunk(workers, of, chunks, 1)
-            with _dask(folder) as address, cluster(address) as workers:
+            with _dask(folder) as address, cluster_of(address) as (make, _), make() as workers:
                 dask = _time_of_a_chunk(workers, of, chunks, AHEAD)
         return here, process, dask
 
 
 def _time_of_a_chunk(
-    workers: Workers, of: tuple[str, str], chunks: list[Chunk], ahead: int
+    workers: Executor, of: tuple[str, str], chunks: list[Chunk], ahead: int
 ) -> float:
     """Return the time of a chunk [s] while up to `ahead` are given, without the first ones."""
     first, *others = chunks

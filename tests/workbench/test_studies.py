@@ -53,7 +53,7 @@ def test_a_map_is_a_folder_of_its_own_until_thrown_away(command: Command) -> Non
     written = Path("coulomb-map", "index.html")
     before = written.read_text(encoding="utf-8")
     assert "c = 3 N·s/m" in before
-    assert "c is 4" in command.refuses("map", *VK, "--c", "4")
+    assert 'now "c": 4' in command.refuses("map", *VK, "--c", "4")
     command.passes("map", *VK, "--c", "4", "--fresh")
     assert written.read_text(encoding="utf-8") != before
 

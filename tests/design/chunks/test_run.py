@@ -22,7 +22,7 @@ def test_results_are_the_same_to_the_bit_by_any_workers(tmp_path: Path, marks: P
     read = three.read()
     np.testing.assert_array_equal(read["x"], np.sin(1.7 * np.arange(three.count) + 1))
     assert list(read["failure"]) == [failure(point) for point in range(three.count)]
-    assert three.names == ("x", "n", "failure")
+    assert list(read) == ["x", "n", "failure"]
     for start, stop in ((17, 29), (3, 19_997), (500, 500), (19_990, None)):
         for name, column in three.read(start, stop).items():
             np.testing.assert_array_equal(column, read[name][start:stop])
@@ -34,7 +34,7 @@ def test_a_range_reads_the_files_of_its_chunks_alone(tmp_path: Path) -> None:
     first.write_bytes(b"")
     assert results.read(95, 100)["n"].tolist() == [0, 1, 2, 3, 4]
     last.write_bytes(last.read_bytes()[:-1])
-    with pytest.raises(StudyError, match=rf"{first.name}: the file was altered; the same command"):
+    with pytest.raises(StudyError, match=rf"{first.name}: was removed or altered; the same"):
         results.read(0, 1)
 
 

@@ -9,8 +9,10 @@ import numpy as np
 import pytest
 
 from stickslip_design.chunks import Columns
-from stickslip_design.sweeps.runs import REDUCTIONS, Floats
-from stickslip_design.sweeps.study import prepare, release, sweep, tried
+from stickslip_design.sweeps import runs
+from stickslip_design.sweeps.model import unpack_model
+from stickslip_design.sweeps.reductions import REDUCTIONS, Floats
+from stickslip_design.sweeps.study import prepare, sweep
 from stickslip_ref import Parameters, steady_cycle
 from tests.conftest import built
 from tests.needs import needs
@@ -32,7 +34,6 @@ def planned(**changes: Any) -> dict[str, Any]:
 def results(model: Path, plan: dict[str, Any], *bounds: int) -> Columns:
     study = prepare(model, plan)
     parts = [study.compute(*ends) for ends in pairwise((0, *bounds, study.count))]
-    release()
     return {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}
 
 
@@ -87,25 +88,24 @@ def test_reductions_are_those_of_the_samples_after_settling(
     assert found == pytest.approx(expected, rel=1e-14)  # roundings of some steps
 
 
-def test_a_reset_that_forgets_nothing_is_not_used(troubled: Path) -> None:
-    keeps = planned(parameters={"on": True, "gain": [1.0, 2.0]}, outputs={"runs": "last"})
-    assert not tried(prepare(troubled, keeps)).reset
-    assert tried(prepare(troubled, planned(parameters={"trouble": [4, 0, 2]}))).reset
-
-
-def test_a_reset_gives_the_bits_of_a_new_instance(fmu_path: Path) -> None:
-    plan = {
-        "stop_time": 2.0, "step": 0.7, "parameters": {"k": "500..3000 N/m log 5"},
-        "outputs": {"x": ["last", "max"], "delta_x": "last", "Q_friction": "last"},
-    }  # fmt: skip
-    assert bits(results(fmu_path, plan)) == bits(results(fmu_path, {**plan, "reset": False}))
+def test_a_reset_that_forgets_nothing_is_not_used(
+    troubled: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(runs, "_end_after", lambda seconds: None)
+    for on, resets in ((True, False), (False, True)):
+        study = prepare(troubled, planned(parameters={"on": on}, outputs={"runs": "last"}))
+        (folder := tmp_path / str(on)).mkdir()
+        runner = runs.Runner(study, unpack_model(study.model, folder))
+        for _ in range(2):
+            runner.run(np.array([]))
+        assert runner.resets == resets
 
 
 @needs("studies", "cc")
 def test_a_grid_has_dimensions_units_and_inputs_and_the_jumps_of_the_reference() -> None:
     plan = {
         "stop_time": 3.0, "step": "4 ms", "parameters": {"k": [500.0, 3000.0], "mu_s": [0.5]},
-        "inputs": {"v": 0.02}, "reset": False,
+        "inputs": {"v": 0.02},
         "outputs": {"x": ["jump", "period"], "delta_x": "last", "T": "last", "F": "max"},
     }  # fmt: skip
     found = sweep(built("native-3"), plan, workers=1)

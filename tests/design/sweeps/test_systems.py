@@ -94,9 +94,9 @@ def test_wires_carry_start_values_and_scale_them_through_a_system_inside(
 @pytest.mark.parametrize(
     ("old", "new", "reason"),
     [
-        ('endConnector="x"', 'endConnector="y"', "drive has no connector y"),
-        ('source="resources/StickSlip.fmu"', 'source="resources/a.fmu"', "has no file resources/a"),
-        ('name="k"', 'name="no_such"', "gives a value to table.no_such, which is no variable"),
+        ('endConnector="x"', 'endConnector="y"', "connects drive.y, which is no variable"),
+        ('source="resources/StickSlip.fmu"', 'source="resources/a.fmu"', "resources/a.fmu: no suc"),
+        ('name="k"', 'name="no_such"', "gives table.no_such the value 40000000.0: it is no"),
         ("<ssd:System ", "<ssd:Systematics ", "not an SSP file ("),
         # A value of the system holds in place of the component's own.
         ('<ssv:Real value="40000000.0" />', '<ssv:Real value="70000000.0" />', None),

@@ -1,30 +1,41 @@
-"""A study of many points, and where its results are: files that are whole or not there.
+"""A study of many points, its folder, and what a worker does.
 
-A store is a folder or an address of fsspec. A chunk file has a first line with the SHA-256 of the
-rest, which tells whether it is whole; the rest is a line of JSON (the study's key, the chunk, the
-names of the columns) and, for each column, an array in NumPy's format (.npy).
+A store is a folder or an address of fsspec. Its manifest says which study it holds: JSON of its
+inputs, the versions it is made with, and its points. A worker computes a chunk, writes its file,
+and answers in a few bytes. A chunk file is the SHA-256 of the rest, which tells whether it is
+whole, and arrays in NumPy's format (.npy): a JSON text (the study's key, the chunk, the names of
+the columns), then the columns.
 """
 
 from __future__ import annotations
 
 import json
+import os
+import pickle
+import platform
 import re
-import sys
+import sqlite3
+import threading
+import time
 from bisect import bisect_left, bisect_right
 from collections.abc import Iterable, Iterator, Mapping
-from contextlib import contextmanager, suppress
+from contextlib import closing, contextmanager, suppress
 from dataclasses import dataclass
+from difflib import unified_diff
+from functools import cache, lru_cache
 from hashlib import sha256
+from importlib.util import find_spec
 from io import BytesIO
 from pathlib import Path
-from typing import IO, Any, Final, NamedTuple, Protocol, TypeAlias
+from typing import Any, Final, NamedTuple, Protocol, TypeAlias
 from uuid import uuid4
 
 import numpy as np
 from fsspec.core import url_to_fs
-from fsspec.implementations.local import LocalFileSystem
-from numpy.lib import format as npy
 from numpy.typing import NDArray
+
+from ..datasets import digest_of, versions
+from ..one_thread import one_thread
 
 Columns: TypeAlias = dict[str, NDArray[np.generic]]
 """Results by name: arrays of one number, or text, a point."""
@@ -88,8 +99,24 @@ class Chunk(NamedTuple):
         """How many they are."""
         return self.stop - self.start
 
+    @property
+    def file(self) -> str:
+        """Name of its file."""
+        return f"points-{self.start:012}-{self.stop:012}.chunk"
+
     def __str__(self) -> str:
         return f"points {self.start} to {self.stop - 1}"
+
+
+_DIGEST: Final = 32
+"""Bytes of a SHA-256."""
+_FILE: Final = re.compile(r"points-(\d{12})-(\d{12})\.chunk")
+
+
+def chunks_in(names: Iterable[str]) -> list[Chunk]:
+    """Return the chunks whose files are among these, in order."""
+    matches = filter(None, map(_FILE.fullmatch, names))
+    return sorted(Chunk(int(match[1]), int(match[2])) for match in matches)
 
 
 def reason(error: BaseException) -> str:
@@ -102,41 +129,31 @@ def reason(error: BaseException) -> str:
     return f"{type(error).__name__}: {text}" if text else type(error).__name__
 
 
-LOCK: Final = ".lock"
-"""File of a folder that is locked while a process computes a study in it."""
-PART: Final = ".part"
-"""End of the name of a file that is not whole yet; the name begins with a dot."""
-
-
 class Store:
     """The files of a study in a folder, or at an address of fsspec such as s3://bucket/study.
 
-    Its `address` means the same in another process. `StudyError` if it cannot be used; every method
-    raises `OSError` where the store refuses.
+    Its `address` means the same in another process. Names that begin with a dot are its own: the
+    lock, and files that are not whole yet. `StudyError` if it cannot be used; every method raises
+    `OSError` where the store refuses.
     """
 
     def __init__(self, address: str) -> None:
         self._is_folder = "://" not in address
-        if self._is_folder:
-            self.address = str(Path(address).resolve())
-            self._system, self._path = LocalFileSystem(), self.address
-        else:
-            self.address = address.rstrip("/")
-            try:
-                self._system, self._path = url_to_fs(self.address)
-            # Its package is not installed, or there is no such protocol.
-            except (ImportError, ValueError) as error:
-                raise StudyError(f"{address}: {error}") from error
+        self.address = str(Path(address).resolve()) if self._is_folder else address.rstrip("/")
+        try:
+            self._system, self._path = url_to_fs(self.address)
+        # Its package is not installed, or there is no such protocol.
+        except (ImportError, ValueError) as error:
+            raise StudyError(f"{address}: {error}") from error
 
     def names(self) -> set[str]:
         """Return the names of all that is there; empty if there is no such folder."""
         # Other processes write there too, and some systems keep a list.
         self._system.invalidate_cache()
-        try:
+        with suppress(FileNotFoundError):
             paths = self._system.ls(self._path, detail=False)
-        except FileNotFoundError:
-            return set()
-        return {path.rstrip("/").rpartition("/")[2] for path in paths}
+            return {path.rstrip("/").rpartition("/")[2] for path in paths}
+        return set()
 
     def read(self, name: str) -> bytes:
         """Return the content of a file."""
@@ -144,22 +161,22 @@ class Store:
 
     def write(self, name: str, content: bytes) -> None:
         """Write a file, whole or not at all."""
-        part = f"{self._path}/.{uuid4().hex}{PART}"
+        part = f"{self._path}/.{uuid4().hex}.part"
         try:
             self._system.makedirs(self._path, exist_ok=True)
             self._system.pipe_file(part, content)
             self._system.mv(part, f"{self._path}/{name}")
-        except BaseException as error:
+        except OSError as error:
+            why = error.strerror or str(error)
+            raise OSError(error.errno, why, f"{self.address}/{name}") from error
+        finally:
             with suppress(OSError):
                 self._system.rm_file(part)
-            if isinstance(error, OSError) and error.errno is not None:
-                file = f"{self.address}/{name}"
-                raise OSError(error.errno, error.strerror or str(error), file) from error
-            raise
 
-    def remove(self, name: str) -> None:
-        """Remove a file."""
-        self._system.rm_file(f"{self._path}/{name}")
+    def remove(self, names: Iterable[str]) -> None:
+        """Remove files."""
+        for name in names:
+            self._system.rm_file(f"{self._path}/{name}")
 
     @contextmanager
     def locked(self) -> Iterator[None]:
@@ -168,10 +185,11 @@ class Store:
             yield
             return
         Path(self.address).mkdir(parents=True, exist_ok=True)
-        with Path(self.address, LOCK).open("ab") as stream:
+        # An empty database: its lock ends with the process, on every system.
+        with closing(sqlite3.connect(Path(self.address, ".lock"), timeout=0.0)) as lock:
             try:
-                _lock(stream)
-            except OSError as error:
+                lock.execute("BEGIN EXCLUSIVE")
+            except sqlite3.Error as error:
                 raise StudyError(
                     f"{self.address}: another process computes a study here; wait for its end, or "
                     "name another folder"
@@ -179,63 +197,30 @@ class Store:
             yield
 
 
-def _lock(stream: IO[bytes]) -> None:
-    """Lock a file till it is closed, at the latest by the end of this process."""
-    if sys.platform == "win32":
-        import msvcrt
-
-        msvcrt.locking(stream.fileno(), msvcrt.LK_NBLCK, 1)
-    else:
-        import fcntl
-
-        fcntl.flock(stream, fcntl.LOCK_EX | fcntl.LOCK_NB)
-
-
-_FIRST: Final = b"stickslip chunk 1 %s\n"
-_LINE: Final = len(_FIRST % bytes(64))
-_NAME: Final = re.compile(r"points-(\d{12})-(\d{12})\.chunk")
-
-
-def name_of(chunk: Chunk) -> str:
-    """Return the name of the file of a chunk."""
-    return f"points-{chunk.start:012}-{chunk.stop:012}.chunk"
-
-
-def chunk_of(name: str) -> Chunk | None:
-    """Return the chunk that a file holds, by its name; None if it is no chunk file."""
-    match = _NAME.fullmatch(name)
-    return None if match is None else Chunk(int(match[1]), int(match[2]))
-
-
 def packed(chunk: Chunk, key: str, columns: Columns) -> bytes:
     """Return the content of the file of a chunk; a `StudyError` if a column does not fit."""
-    body = BytesIO()
-    body.write(json.dumps([key, chunk, list(columns)]).encode() + b"\n")
     for name, column in columns.items():
-        values = np.asarray(column)
-        if values.shape != (chunk.points,) or values.dtype.hasobject:
+        if column.shape != (chunk.points,) or column.dtype.hasobject:
             raise StudyError(
-                f"{chunk}: the column {name} has shape {values.shape} and type {values.dtype}; "
+                f"{chunk}: the column {name} has shape {column.shape} and type {column.dtype}; "
                 f"{chunk.points} numbers or texts are due"
             )
-        npy.write_array(body, values, allow_pickle=False)
-    return _first_line(body.getbuffer()) + body.getbuffer()
+    body = BytesIO()
+    head = json.dumps([key, chunk, list(columns)]).encode()
+    for array in (np.array(head), *columns.values()):
+        np.save(body, array)
+    return sha256(body.getbuffer()).digest() + body.getbuffer()
 
 
 def unpacked(content: bytes, chunk: Chunk, key: str) -> Columns | None:
     """Return the columns of a chunk file; None if it is not whole or of another study."""
-    body = memoryview(content)[_LINE:]
-    if content[:_LINE] != _first_line(body):
+    body = memoryview(content)[_DIGEST:]
+    if content[:_DIGEST] != sha256(body).digest():
         return None
     stream = BytesIO(body)
-    of, points, names = json.loads(stream.readline())
-    if (of, tuple(points)) != (key, chunk):
-        return None
-    return {name: npy.read_array(stream, allow_pickle=False) for name in names}
-
-
-def _first_line(body: memoryview) -> bytes:
-    return _FIRST % sha256(body).hexdigest().encode()
+    of, points, names = json.loads(np.load(stream).item())
+    ours = (of, tuple(points)) == (key, chunk)
+    return {name: np.load(stream) for name in names} if ours else None
 
 
 def failures(columns: Columns) -> int:
@@ -250,11 +235,6 @@ class Results:
         self._store, self._chunks, self._key = store, sorted(chunks), key
         self.count = self._chunks[-1].stop
         self._last: tuple[Chunk, Columns] | None = None
-
-    @property
-    def names(self) -> tuple[str, ...]:
-        """Names of the columns."""
-        return tuple(self._columns(self._chunks[0]))
 
     def read(self, start: int = 0, stop: int | None = None) -> Columns:
         """Return the columns of the points from `start` up to `stop`.
@@ -273,13 +253,158 @@ class Results:
 
     def _columns(self, chunk: Chunk) -> Columns:
         if self._last is None or self._last[0] != chunk:
-            self._last = None
-            file = f"{self._store.address}/{name_of(chunk)}"
-            try:
-                columns = unpacked(self._store.read(name_of(chunk)), chunk, self._key)
-            except OSError as error:
-                raise StudyError(f"{file}: {error.strerror or error}") from error
+            self._last = columns = None
+            with suppress(OSError):
+                columns = unpacked(self._store.read(chunk.file), chunk, self._key)
             if columns is None:
-                raise StudyError(f"{file}: the file was altered; the same command makes it anew")
+                file = f"{self._store.address}/{chunk.file}"
+                raise StudyError(f"{file}: was removed or altered; the same command makes it anew")
             self._last = chunk, columns
         return self._last[1]
+
+
+MANIFEST: Final = "manifest.json"
+STUDY: Final = "study.pickle"
+"""The file of the study itself, which the workers read."""
+
+_FIELDS: Final = {"inputs", "versions", "points"}
+_PACKAGES: Final = (
+    *("fmi", "stickslip_design", "stickslip_fmu", "stickslip_native"),
+    *("stickslip_ref", "stickslip_score", "stickslip_units", "stickslip_verification"),
+)
+"""Our packages that results are computed by."""
+_SIGNS: Final = {"-": "before", "+": "now"}
+_SHOWN: Final = 6
+"""Lines of a manifest that a refusal names."""
+
+Manifest: TypeAlias = Mapping[str, Any]
+
+
+def manifest_of(study: Study) -> Manifest:
+    """Return the manifest of a study, with the versions that are installed here."""
+    return {
+        # As a file gives it back: no tuples, every number as JSON writes it.
+        "inputs": json.loads(json.dumps(study.identity)),
+        "versions": _versions(),
+        "points": {"count": study.count, "quantum": study.quantum},
+    }
+
+
+@cache
+def _versions() -> dict[str, str]:
+    """Return the versions here, and a digest of our sources: the same release may be edited."""
+    digest = sha256()
+    for package in _PACKAGES:
+        spec = find_spec(package)
+        assert spec is not None
+        assert spec.origin is not None
+        folder = Path(spec.origin).parent
+        for file in sorted(folder.rglob("*.[chp]*")):
+            if file.suffix in {".py", ".c", ".h"}:
+                digest.update(f"{package}/{file.relative_to(folder).as_posix()}\0".encode())
+                digest.update(file.read_bytes())
+    return {**versions(), "sources": digest.hexdigest()[:16]}
+
+
+def changes(old: Manifest, new: Manifest) -> str:
+    """Return what another study or its versions differ in, in words; empty if in nothing."""
+    was, now = (json.dumps(each, indent=0).splitlines() for each in (old, new))
+    lines = [line for line in [*unified_diff(was, now, n=0)][2:] if line[0] in _SIGNS]
+    words = [f"{_SIGNS[line[0]]} {line[1:].rstrip(',')}" for line in lines[:_SHOWN]]
+    return ", ".join(words) + (", and more" if len(lines) > _SHOWN else "")
+
+
+def read_manifest(store: Store) -> Manifest | None:
+    """Return the manifest of a store, None if there is none; `StudyError` if its file is none."""
+    content = None
+    try:
+        content = json.loads(store.read(MANIFEST))
+    except (FileNotFoundError, NotADirectoryError):
+        return None
+    except ValueError:
+        pass
+    if not isinstance(content, dict) or content.keys() != _FIELDS:
+        raise StudyError(
+            f"{store.address}: its {MANIFEST} is not one of a study; name another folder"
+        )
+    return content
+
+
+@contextmanager
+def begun(store: Store, new: Manifest, *, fresh: bool) -> Iterator[None]:
+    """Lock a store that holds this study: the same one resumes, another is removed if `fresh`.
+
+    Else a `StudyError` names the difference, or a file of a store that holds no study.
+    """
+    old, names = read_manifest(store), store.names()
+    foreign = sorted(name for name in names if old is None and not name.startswith("."))
+    if foreign:
+        raise StudyError(
+            f"{store.address} holds no study, but other files ({foreign[0]}); name a new folder"
+        )
+    with store.locked():
+        old = read_manifest(store)
+        if old is not None and digest_of(old) != digest_of(new) and not fresh:
+            raise StudyError(
+                f"{store.address} holds results of another study: {changes(old, new)}; --fresh "
+                "throws them away, another folder keeps them"
+            )
+        # What a process left that was ended while it wrote.
+        store.remove(name for name in store.names() if name.endswith(".part"))
+        if old is None or fresh:
+            store.remove(chunk.file for chunk in chunks_in(store.names()))
+            store.write(MANIFEST, json.dumps(new, indent=2).encode() + b"\n")
+        yield
+
+
+class Done(NamedTuple):
+    """A chunk is computed and its file written: the time taken [s], its bytes, its failures."""
+
+    chunk: Chunk
+    seconds: float
+    size: int
+    failed: int
+
+
+_ONE_AT_A_TIME = threading.Lock()
+"""A study need not be safe in threads, which a dask worker may have."""
+
+
+def work(address: str, key: str, chunk: Chunk) -> Done:
+    """Compute a chunk in a worker; it raises `StudyError` alone, which all processes know."""
+    with _ONE_AT_A_TIME:
+        try:
+            store, study = _opened(address, key)
+        except Exception as error:
+            here = f"the worker on {platform.node()} (process {os.getpid()})"
+            raise StudyError(f"{here}: {reason(error)}") from None
+        return compute(store, study, key, chunk)
+
+
+@one_thread
+def compute(store: Store, study: Study, key: str, chunk: Chunk) -> Done:
+    """Compute a chunk of a study and write its file."""
+    begun = time.perf_counter()
+    try:
+        columns = study.compute(*chunk)
+    except Exception as error:
+        raise StudyError(f"{chunk}: {reason(error)}") from None
+    try:
+        content = packed(chunk, key, columns)
+        store.write(chunk.file, content)
+    except Exception as error:
+        kept = "what is computed is kept, and the study resumes"
+        raise StudyError(f"{reason(error)}; {kept}") from None
+    return Done(chunk, time.perf_counter() - begun, len(content), failures(columns))
+
+
+@lru_cache(maxsize=1)
+def _opened(address: str, key: str) -> tuple[Store, Study]:
+    """Return the store and the study there; refuse another folder, and other versions."""
+    store = Store(address)
+    manifest = read_manifest(store)
+    if manifest is None or digest_of(manifest) != key:
+        raise StudyError(f"does not see the study in {address}; name a folder that it shares")
+    if other := changes(manifest, {**manifest, "versions": _versions()}):
+        raise StudyError(f"has other versions than the study: {other}")
+    return store, pickle.loads(store.read(STUDY))

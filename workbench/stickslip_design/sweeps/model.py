@@ -8,21 +8,27 @@ of an SSP file are named component.variable. SSP is System Structure and Paramet
 from __future__ import annotations
 
 import math
-import re
 import tempfile
 import zipfile
-from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from difflib import get_close_matches
 from fractions import Fraction
 from io import BytesIO
 from pathlib import Path
-from typing import Final, NamedTuple, NoReturn
+from typing import Final, NamedTuple
 from xml.etree.ElementTree import Element, fromstring
 
-from stickslip_units import Conversion, QuantityError, Unit, between, in_unit
+from stickslip_units import Conversion, QuantityError, Unit, between, typed_in
 from stickslip_verification import FmuError
 from stickslip_verification.drive import description as names
-from stickslip_verification.drive.description import NUMBERS, Description, check_size, unpack
+from stickslip_verification.drive.description import (
+    NUMBERS,
+    Description,
+    check_size,
+    one_line,
+    unpack,
+)
 from stickslip_verification.drive.instance import FLOATING
 
 from ..chunks import StudyError
@@ -32,191 +38,16 @@ class SweepError(StudyError):
     """A model, a plan or a table of it cannot be used; one line with file, line, name, reason."""
 
 
-_STRUCTURE: Final = "SystemStructure.ssd"
-_SSP: Final = "http://ssp-standard.org/SSP1/SystemStructure"
-_SPACE: Final = {
-    "ssd": f"{_SSP}Description", "ssc": f"{_SSP}Common", "ssv": f"{_SSP}ParameterValues"
-}  # fmt: skip
-_OF_FMU: Final = (None, "application/x-fmu-sharedlibrary")
+def nearest(name: str, known: Sequence[str]) -> str:
+    """Return the names most like one that is not known, as the end of a refusal."""
+    # The last part of a structured name may be all that a person remembers.
+    same = [other for other in known if other.rpartition(".")[2] == name.rpartition(".")[2]]
+    near = [*dict.fromkeys([*get_close_matches(name, known, _SHOWN, 0.5), *same])] or known
+    return f"nearest: {', '.join(near[:_SHOWN])}"
 
 
-class Change(NamedTuple):
-    """What a connection does to a value: ``factor * value + offset``.
-
-    Before, one that `converts` takes it from the unit of the output to that of the input.
-    """
-
-    factor: float = 1.0
-    offset: float = 0.0
-    converts: bool = True
-
-    def after(self, earlier: Change) -> Change:
-        """Return both changes in one, where the other comes first."""
-        offset = self.factor * earlier.offset + self.offset
-        return Change(self.factor * earlier.factor, offset, self.converts and earlier.converts)
-
-
-_Node = tuple[str, str]
-"""A connector: the path of its element, empty for the whole system, and its name."""
-
-
-class _System:
-    """What an SSP file says, or stands for an FMU alone.
-
-    Attributes
-    ----------
-    components
-        Path of the FMU in the archive by name of the component, in order of the file.
-    sources
-        By connector the one that drives it, and the change on the way.
-    values
-        Values of variables by name, as component.variable: the number as it is written, and its
-        unit, empty where it has none.
-    experiment
-        Times of the default experiment [s], as a plan calls them.
-    """
-
-    def __init__(self, path: Path, components: Mapping[str, str] | None = None) -> None:
-        self._path = path
-        self.components: dict[str, str] = {**(components or {})}
-        self.sources: dict[_Node, tuple[_Node, Change]] = {}
-        self.values: dict[str, tuple[str, str]] = {}
-        self.experiment: dict[str, float] = {}
-
-    def read(self) -> None:
-        """Read the SSP file; `SweepError` if it is none, or uses what a sweep does not support."""
-        from fmpy.ssp.ssd import read_ssd
-
-        if not self._path.is_file():
-            self._refuse("not a file" if self._path.exists() else "no such file")
-        if not zipfile.is_zipfile(self._path):
-            self._refuse("not an SSP file (not a zip archive)")
-        with zipfile.ZipFile(self._path) as archive:
-            if _STRUCTURE not in archive.namelist():
-                self._refuse(f"not an SSP file (no {_STRUCTURE} in it)")
-            try:
-                # It checks the schemas; of connections and the experiment it reads not all. Where
-                # it fails, it leaves a file open.
-                read_ssd(BytesIO(self._path.read_bytes()))
-            except Exception as error:
-                self._refuse(f"not an SSP file ({' '.join(str(error).split())})")
-            root = fromstring(archive.read(_STRUCTURE))
-            for system in root.iterfind("ssd:System", _SPACE):
-                self._collect(archive, system, "")
-        if not self.components:
-            self._refuse("has no component")
-        for stated in root.iterfind("ssd:DefaultExperiment", _SPACE):
-            for name, attribute in (("start_time", "startTime"), ("stop_time", "stopTime")):
-                if attribute in stated.attrib:
-                    self.experiment[name] = float(stated.attrib[attribute])
-
-    def connections(self) -> Iterator[tuple[str, str, Change]]:
-        """Yield the output that drives an input of a component, that input, and the change between.
-
-        Connectors of systems between them are followed; nothing where they end at an input of the
-        whole system that nothing drives.
-        """
-        for node in self.sources:
-            at, change, seen = node, Change(), {node}
-            if node[0] not in self.components:
-                continue
-            while at in self.sources:
-                at, earlier = self.sources[at]
-                change = change.after(earlier)
-                if at in seen:
-                    self._refuse(f"{'.'.join(node)} is driven by itself")
-                seen.add(at)
-                if at[0] in self.components:
-                    yield ".".join(at), ".".join(node), change
-                    break
-
-    def _refuse(self, reason: str) -> NoReturn:
-        raise SweepError(f"{self._path}: {reason}")
-
-    def _collect(self, archive: zipfile.ZipFile, system: Element, place: str) -> None:
-        """Add what is in a system at a place, such as ``inner.``, to what was found."""
-        kinds = _connectors("", system)
-        for element in system.iterfind("ssd:Elements/*", _SPACE):
-            own = element.get("name", "")
-            name = f"{place}{own}"
-            kinds |= _connectors(own, element)
-            if element.tag.endswith("}System"):
-                self._collect(archive, element, f"{name}.")
-            elif element.tag.endswith("}Component"):
-                if element.get("type") not in _OF_FMU:
-                    self._refuse(f"the component {name} is no FMU, but {element.get('type')}")
-                self.components[name] = element.attrib["source"]
-                self._add_values(archive, element, f"{name}.")
-            else:
-                self._refuse(f"{name} is a signal dictionary, which a sweep does not read")
-        for connection in system.iterfind("ssd:Connections/ssd:Connection", _SPACE):
-            self._connect(connection, place, kinds)
-        # What a system says of the values of its components counts before what they say.
-        self._add_values(archive, system, place)
-
-    def _connect(self, connection: Element, place: str, kinds: Mapping[_Node, str]) -> None:
-        ends = [
-            (connection.get(f"{end}Element", ""), connection.get(f"{end}Connector", ""))
-            for end in ("start", "end")
-        ]
-        for element, connector in ends:
-            if (element, connector) not in kinds:
-                where = f"{place}{element}".rstrip(".") or "the system"
-                self._refuse(f"{where} has no connector {connector}")
-        # What gives a value inside a system: its own input, an output of an element.
-        gives = [kinds[node] == ("output" if node[0] else "input") for node in ends]
-        source, target = ends if gives[0] else reversed(ends)
-        if sum(gives) != 1:
-            pair = f"{'.'.join(source)} with {'.'.join(target)}"
-            self._refuse(f"connects {pair}; one has to be an output")
-        linear: Mapping[str, str] = {}
-        for transformation in connection:
-            if transformation.tag.endswith("MappingTransformation"):
-                self._refuse(f"maps the values of {target[1]}, which a sweep does not read")
-            if transformation.tag.endswith("LinearTransformation"):
-                linear = transformation.attrib
-        self.sources[_placed(place, target)] = (
-            _placed(place, source),
-            Change(
-                float(linear.get("factor", "1")),
-                float(linear.get("offset", "0")),
-                connection.get("suppressUnitConversion") not in ("true", "1"),
-            ),
-        )
-
-    def _add_values(self, archive: zipfile.ZipFile, element: Element, place: str) -> None:
-        for binding in element.iterfind("ssd:ParameterBindings/ssd:ParameterBinding", _SPACE):
-            if binding.find("ssd:ParameterMapping", _SPACE) is not None:
-                self._refuse("maps parameters, which a sweep does not read")
-            sets = binding.findall("ssd:ParameterValues/ssv:ParameterSet", _SPACE)
-            if source := binding.get("source"):
-                sets.insert(0, fromstring(archive.read(source)))
-            path = "ssv:Parameters/ssv:Parameter"
-            for parameter in (one for values in sets for one in values.iterfind(path, _SPACE)):
-                name = f"{place}{binding.get('prefix', '')}{parameter.get('name')}"
-                written = parameter[0].get("value", "")
-                text = {"true": "1", "false": "0"}.get(written, written)
-                try:
-                    float(text)
-                except ValueError:
-                    self._refuse(
-                        f"gives {name} the value {written!r}, and a sweep sets numbers only"
-                    )
-                self.values[name] = text, parameter[0].get("unit", "")
-
-
-def _connectors(element: str, described: Element) -> dict[_Node, str]:
-    return {
-        (element, connector.get("name", "")): connector.get("kind", "")
-        for connector in described.iterfind("ssd:Connectors/ssd:Connector", _SPACE)
-    }
-
-
-def _placed(place: str, node: _Node) -> _Node:
-    element, connector = node
-    return (f"{place}{element}" if element else place.rstrip("."), connector)
-
-
+_SHOWN: Final = 5
+"""Names that a refusal lists."""
 _AT_START: Final = frozenset({"exact", "approx"})
 
 
@@ -241,11 +72,6 @@ class Variable(names.Variable):
         return f"{self.variability} {self.causality}"
 
     @property
-    def hindrance(self) -> str:
-        """Why it cannot be set before a run; empty if it can."""
-        return self.obstacle or ("" if self.starts else f"is a {self.sort}, and cannot be set")
-
-    @property
     def changes(self) -> bool:
         """Whether it can be set in a run: an input, or a tunable parameter."""
         return self.causality == "input" or self.sort == "tunable parameter"
@@ -254,17 +80,6 @@ class Variable(names.Variable):
     def is_continuous(self) -> bool:
         """Whether a file of inputs is read along straight lines; else each value holds."""
         return self.kind in FLOATING and self.variability == "continuous"
-
-    def check(self, number: float) -> None:
-        """Refuse a number that its type does not have, by a `QuantityError`."""
-        if self.kind == "Boolean" and number not in (0.0, 1.0):
-            raise QuantityError(f"has {number:g}, and the variable is true or false")
-        if self.kind not in FLOATING and self.kind != "Boolean":
-            bits = int(re.sub(r"\D", "", self.kind) or "32")
-            low = 0 if self.kind.startswith("U") else -(2 ** (bits - 1))
-            # Of what C cannot hold it would take some other number.
-            if number != math.floor(number) or not low <= number < low + 2**bits:
-                raise QuantityError(f"has {number:g}, and the variable is of type {self.kind}")
 
 
 @dataclass
@@ -298,8 +113,8 @@ class Model:
 
     Attributes
     ----------
-    path, content, is_system
-        The file, its bytes, and whether it is an SSP file.
+    path, content
+        The file and its bytes.
     components, variables, wires
         Its FMUs, their variables by name, and the connections.
     bound
@@ -313,13 +128,32 @@ class Model:
 
     path: Path
     content: bytes = field(repr=False)
-    is_system: bool
     components: tuple[Component, ...]
     variables: Mapping[str, Variable]
     wires: tuple[Wire, ...]
     bound: Mapping[str, float]
     units: Mapping[str, Unit]
     experiment: Mapping[str, float]
+
+    def variable(self, name: str, *, to_set: bool = False) -> Variable:
+        """Return a variable to read, or to set before a run; a `QuantityError` if it is none."""
+        variable = self.variables.get(name)
+        if variable is None:
+            near = nearest(name, [*self.variables])
+            raise QuantityError(f"is no variable of {self.path.name}; {near}")
+        if variable.obstacle:
+            raise QuantityError(variable.obstacle)
+        if to_set and not variable.starts:
+            raise QuantityError(f"is a {variable.sort}, and cannot be set")
+        return variable
+
+    def number(self, value: object, variable: Variable) -> float:
+        """Return a value of a variable in its unit; a `QuantityError` if it is none."""
+        if isinstance(value, str):
+            return typed_in(value, variable.unit, self.units)
+        if isinstance(value, float | int) and math.isfinite(value):
+            return float(value)
+        raise QuantityError("is no finite number")
 
 
 def read_model(path: Path | str) -> Model:
@@ -328,32 +162,155 @@ def read_model(path: Path | str) -> Model:
     `SweepError` if it is neither, cannot be run here, or uses what a sweep does not support.
     """
     path = Path(path)
-    try:
-        if path.suffix.lower() != ".ssp":
-            alone, description = _System(path, {path.name: ""}), Description(path)
-            alone.experiment = {name: float(text) for name, text in description.experiment.items()}
-            return _model(path, alone, [description])
-        system = _System(path)
-        system.read()
-        check_size(path)
-        with tempfile.TemporaryDirectory(prefix="stickslip-") as folder:
-            unpack(path, Path(folder))
-            return _model(path, system, [*_descriptions(path, system, Path(folder))])
-    except OSError as error:
-        raise SweepError(f"{path}: cannot be read: {error.strerror or error}") from None
-    except FmuError as error:
-        raise SweepError(str(error)) from None
-
-
-def _descriptions(path: Path, system: _System, folder: Path) -> Iterator[Description]:
-    for name, source in system.components.items():
-        if not (folder / source).is_file():
-            raise SweepError(f"{path}: has no file {source}, the FMU of {name}")
+    with tempfile.TemporaryDirectory(prefix="stickslip-") as folder:
         try:
-            yield Description(folder / source)
-        except FmuError as error:
-            said = str(error).replace(str(folder / source), f"{path}: {source}")
-            raise SweepError(said) from None
+            if path.suffix.lower() != ".ssp":
+                alone = Description(path)
+                times = {name: float(text) for name, text in alone.experiment.items()}
+                return _model(path, _System({path.name: ""}, experiment=times), [alone])
+            system = _read_ssp(path)
+            check_size(path)
+            unpack(path, Path(folder))
+            files = [Path(folder, source) for source in system.components.values()]
+            return _model(path, system, [Description(file) for file in files])
+        except OSError as error:
+            raise SweepError(f"{path}: cannot be read: {error.strerror or error}") from None
+        except (FmuError, QuantityError) as error:
+            said = str(error).replace(f"{folder}/", f"{path}: ")
+            raise SweepError(said if str(path) in said else f"{path}: {said}") from None
+
+
+def unpack_model(model: Model, folder: Path) -> list[Path]:
+    """Unpack the FMUs of the components below a folder, and return where each is; `FmuError`."""
+    archive = folder / "model"
+    archive.write_bytes(model.content)
+    places = [folder / str(number) for number in range(len(model.components))]
+    if model.components[0].source:
+        unpack(archive, folder / "system")
+    for component, place in zip(model.components, places, strict=True):
+        unpack(folder / "system" / component.source if component.source else archive, place)
+    return places
+
+
+_STRUCTURE: Final = "SystemStructure.ssd"
+_SSP: Final = "http://ssp-standard.org/SSP1/SystemStructure"
+_SPACE: Final = {
+    "ssd": f"{_SSP}Description", "ssc": f"{_SSP}Common", "ssv": f"{_SSP}ParameterValues"
+}  # fmt: skip
+_UNREAD: Final = ("SignalDictionaryReference", "MappingTransformation", "ParameterMapping")
+"""Ends of the names of elements that a sweep does not read."""
+_OF_FMU: Final = (None, "application/x-fmu-sharedlibrary")
+
+_Node = tuple[str, str]
+"""A connector: the path of its element, empty for the whole system, and its name."""
+
+
+_Change = tuple[float, float, bool]
+"""What a connection does: ``factor * value + offset``; before, units are converted or not."""
+
+
+@dataclass
+class _System:
+    """What an SSP file says, or stands for an FMU alone.
+
+    Attributes
+    ----------
+    components
+        Path of the FMU in the archive by name of the component, in order of the file.
+    connections
+        Pairs of connectors, in any order, and the change from the one that drives to the other.
+    values
+        Values of variables by name, as component.variable, with their units.
+    experiment
+        Times of the default experiment [s], as a plan calls them.
+    """
+
+    components: dict[str, str]
+    connections: list[tuple[_Node, _Node, _Change]] = field(default_factory=list)
+    values: dict[str, str] = field(default_factory=dict)
+    experiment: dict[str, float] = field(default_factory=dict)
+
+    def drivers(self, node: _Node) -> Iterator[tuple[_Node, _Change]]:
+        """Yield the connectors of components that a connector meets, and the changes from them.
+
+        Connectors of systems between them are followed.
+        """
+        todo: list[tuple[_Node, _Change]] = [(node, (1.0, 0.0, True))]
+        seen = {node}
+        while todo:
+            at, (factor, offset, converts) = todo.pop()
+            for start, end, (by, shift, also) in self.connections:
+                other = start if end == at else end
+                if at in (start, end) and other not in seen:
+                    seen.add(other)
+                    change = factor * by, factor * shift + offset, converts and also
+                    if other[0] in self.components:
+                        yield other, change
+                    else:
+                        todo.append((other, change))
+
+
+def _read_ssp(path: Path) -> _System:
+    """Read an SSP file; `QuantityError` if it is none, or uses what a sweep does not support."""
+    from fmpy.ssp.ssd import read_ssd
+
+    content, found = path.read_bytes(), _System({})
+    try:
+        # It checks the schemas; of connections and the experiment it reads not all.
+        read_ssd(BytesIO(content))
+        archive = zipfile.ZipFile(BytesIO(content))
+        root = fromstring(archive.read(_STRUCTURE))
+    except Exception as error:
+        raise QuantityError(f"not an SSP file ({one_line(error)})") from None
+
+    def add(system: Element, place: str) -> None:
+        for element in system.iterfind("ssd:Elements/*", _SPACE):
+            name = f"{place}{element.get('name')}"
+            if element.tag.endswith("}System"):
+                add(element, f"{name}.")
+            else:
+                found.components[name] = element.attrib["source"]
+                add_values(element, f"{name}.")
+        for connection in system.iterfind("ssd:Connections/ssd:Connection", _SPACE):
+            one = connection.get
+            start, end = (
+                (f"{place}{one(f'{which}Element', '')}".rstrip("."), one(f"{which}Connector", ""))
+                for which in ("start", "end")
+            )
+            linear = connection.find("ssc:LinearTransformation", _SPACE)
+            of = {} if linear is None else linear.attrib
+            converts = one("suppressUnitConversion") not in ("true", "1")
+            change = float(of.get("factor", 1)), float(of.get("offset", 0)), converts
+            found.connections.append((start, end, change))
+        # What a system says of the values of its components counts before what they say.
+        add_values(system, place)
+
+    def add_values(element: Element, place: str) -> None:
+        for binding in element.iterfind("ssd:ParameterBindings/ssd:ParameterBinding", _SPACE):
+            sets = binding.findall("ssd:ParameterValues/ssv:ParameterSet", _SPACE)
+            if source := binding.get("source"):
+                sets.insert(0, fromstring(archive.read(source)))
+            for parameter in (
+                one for s in sets for one in s.iterfind("ssv:Parameters/ssv:Parameter", _SPACE)
+            ):
+                written = parameter[0].get("value", "")
+                number = {"true": "1", "false": "0"}.get(written, written)
+                name = f"{place}{binding.get('prefix', '')}{parameter.get('name')}"
+                found.values[name] = f"{number} {parameter[0].get('unit', '')}".rstrip()
+
+    for element in root.iter():
+        kind = element.tag.rpartition("}")[2]
+        if kind.endswith(_UNREAD) or (kind == "Component" and element.get("type") not in _OF_FMU):
+            named = " ".join(filter(None, (kind, element.get("name"), element.get("type"))))
+            raise QuantityError(f"has the {named}, which a sweep does not read")
+        if kind == "DefaultExperiment":
+            times = ("start_time", "startTime"), ("stop_time", "stopTime")
+            found.experiment = {
+                n: float(element.attrib[of]) for n, of in times if of in element.attrib
+            }
+    for each in root.iterfind("ssd:System", _SPACE):
+        add(each, "")
+    return found
 
 
 def _model(path: Path, system: _System, descriptions: list[Description]) -> Model:
@@ -367,18 +324,45 @@ def _model(path: Path, system: _System, descriptions: list[Description]) -> Mode
         components.append(Component(Path(name), source, *of_fmu))
         for unit, meaning in of.units.items():
             if units.setdefault(unit, meaning) != meaning:
-                raise SweepError(f"{path}: its FMUs define the unit {unit!r} differently")
-    return Model(
-        path,
-        path.read_bytes(),
-        path.suffix.lower() == ".ssp",
-        tuple(components),
-        variables,
-        tuple(_wires(path, system, variables, units)),
-        dict(_bound(path, system, variables, units)),
-        units,
-        system.experiment,
+                raise QuantityError(f"its FMUs define the unit {unit!r} differently")
+    bound: dict[str, float] = {}
+    model = Model(
+        path, path.read_bytes(), tuple(components), variables, (), bound, units, system.experiment
     )
+    for name, text in system.values.items():
+        try:
+            bound[name] = model.number(text, model.variable(name, to_set=True))
+        except QuantityError as error:
+            raise QuantityError(f"gives {name} the value {text}: it {error}") from None
+    return replace(model, wires=tuple(_wires(model, system)))
+
+
+def _wires(model: Model, system: _System) -> Iterator[Wire]:
+    def found(node: _Node) -> Variable:
+        try:
+            return model.variable(".".join(node))
+        except QuantityError as error:
+            raise QuantityError(f"connects {'.'.join(node)}, which {error}") from None
+
+    for node in dict.fromkeys(node for each in system.connections for node in each[:2]):
+        if node[0] not in system.components:
+            continue
+        target = found(node)
+        met = [(found(other), change) for other, change in system.drivers(node)]
+        sources = [(source, of) for source, of in met if source.causality != "input"]
+        if target.causality != "input":
+            if met and len(sources) == len(met):
+                raise QuantityError(f"connects {target.name} with {met[0][0].name}, no input")
+            continue
+        for source, (factor, offset, converts) in sources:
+            scale, shift = Fraction(1), Fraction(0)
+            if converts and source.unit and target.unit not in ("", source.unit):
+                try:
+                    scale, shift = between(source.unit, target.unit, model.units)
+                except QuantityError as error:
+                    raise QuantityError(f"what drives {target.name} {error}") from None
+            change = factor * float(scale), factor * float(shift) + offset
+            yield Wire(source.name, target.name, *change)
 
 
 def _variables(component: int, before: str, description: Description) -> Iterator[Variable]:
@@ -405,40 +389,3 @@ def _variables(component: int, before: str, description: Description) -> Iterato
             and (declared.causality in names.SETTABLE or declared.initial in _AT_START),
             start_text=declared.start or "",
         )
-
-
-def _wires(
-    path: Path, system: _System, variables: Mapping[str, Variable], units: Mapping[str, Unit]
-) -> Iterator[Wire]:
-    for source, target, change in system.connections():
-        for name in (source, target):
-            if name not in variables or variables[name].obstacle:
-                why = variables[name].obstacle if name in variables else "is no variable of its FMU"
-                raise SweepError(f"{path}: the connected {name} {why}")
-        if variables[target].causality != "input":
-            raise SweepError(f"{path}: {target} is connected and no input of its FMU")
-        unit, of_input = variables[source].unit, variables[target].unit
-        factor, offset = Fraction(1), Fraction(0)
-        if change.converts and unit and of_input not in ("", unit):
-            try:
-                factor, offset = between(unit, of_input, units)
-            except QuantityError as error:
-                raise SweepError(f"{path}: what drives {target} {error}") from None
-        scale = change.factor
-        yield Wire(source, target, scale * float(factor), scale * float(offset) + change.offset)
-
-
-def _bound(
-    path: Path, system: _System, variables: Mapping[str, Variable], units: Mapping[str, Unit]
-) -> Iterator[tuple[str, float]]:
-    for name, (number, unit) in system.values.items():
-        variable = variables.get(name)
-        if variable is None or variable.hindrance:
-            why = variable.hindrance if variable else "is no variable of its FMU"
-            raise SweepError(f"{path}: gives a value to {name}, which {why}")
-        try:
-            value = in_unit(number, unit, variable.unit, units)
-            variable.check(value)
-        except QuantityError as error:
-            raise SweepError(f"{path}: its value of {name} {error}") from None
-        yield name, value

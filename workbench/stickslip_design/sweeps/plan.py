@@ -14,7 +14,13 @@
     x = ["jump", "period"]
 
 The fields of `Plan` are what may stand in one; names of variables are those of the model.
-`template` writes one to begin with.
+`template` writes one to begin with. A plan may name files of columns, points of a sweep or inputs
+over time, CSV or Parquet. A CSV file has one header line of names, each with its unit if that is
+not the variable's own:
+
+    k [N/mm], mu_s
+    40, 0.2
+    60, 0.2
 """
 
 from __future__ import annotations
@@ -22,58 +28,46 @@ from __future__ import annotations
 import json
 import math
 import re
-import textwrap
-from collections.abc import Iterable, Mapping
-from difflib import get_close_matches
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager, suppress
+from dataclasses import asdict, replace
+from functools import partial
+from hashlib import sha256
 from pathlib import Path
 from typing import Annotated, Any, Final, TypeAlias
 
+import numpy as np
+from numpy.typing import NDArray
 from pydantic import AfterValidator, BeforeValidator, Field
 from pydantic.dataclasses import dataclass
 
-from stickslip_units import BETWEEN, QuantityError, typed
+from stickslip_units import BETWEEN, QuantityError, in_unit, parse_range, typed, typed_in
 from stickslip_verification.model.data_file import WRITTEN, DataError, DataFile, Written
 
-from .model import Model, SweepError, Variable
-from .runs import REDUCTIONS
+from ..curve_file import csv_lines
+from ..datasets import need
+from .model import Model, SweepError, Variable, nearest
+from .reductions import REDUCTIONS, column_of, reduces
+from .runs import FAILURE, Sweep
 
-TIME_LIMIT: Final = 60.0
-"""Seconds that a run may take where the plan says nothing."""
-MOST_VALUES: Final = 10_000_000
-"""Values of one variable, which stand in memory."""
-MOST_RUNS: Final = 10**18
-"""Runs of a plan: more do not fit into the integers that count them."""
+MOST_STEPS: Final = 100_000_000
+"""Communication steps of a run."""
+_WHOLE: Final = 1e-9
+"""Of a step: by how much the last one may be off and still count as whole."""
+_TIME: Final = "time"
+_HEADING: Final = re.compile(r"(?P<name>.*?)\s*(?:\[(?P<unit>[^\]]*[^\]\d][^\]]*)\])?")
+"""A name, and a unit in square brackets; brackets around a number are an index of the name."""
 
-_COUNT: Final = re.compile(r"\d{1,18}", re.ASCII)
-
-MOST_SHOWN = 5
-"""Nearest names that a refusal lists."""
-
-
-Scalar: TypeAlias = float | int | bool | str
-"""A value as TOML has it."""
+Floats: TypeAlias = NDArray[np.float64]
+_Columns: TypeAlias = Mapping[str, tuple[Floats, str]]
+"""The numbers of a file by name, shape (n,), and the unit that its header gives."""
 
 
 class PlanError(DataError, SweepError):
     """A plan cannot be used."""
 
 
-def nearest(name: str, known: Iterable[str]) -> str:
-    """Return the names most like one that is not known, as the end of a refusal."""
-    names = list(known)
-    folded = {other.lower(): other for other in names}
-    near = [folded[match] for match in get_close_matches(name.lower(), folded, MOST_SHOWN, 0.5)]
-    # The last part of a structured name may be all that a person remembers.
-    last = name.rpartition(".")[2].lower()
-    near += [other for other in names if other.rpartition(".")[2].lower() == last]
-    if near:
-        return f"nearest: {', '.join([*dict.fromkeys(near)][:MOST_SHOWN])}"
-    listed = ", ".join(names[:MOST_SHOWN])
-    more = len(names) - MOST_SHOWN
-    return f"there is {listed or 'none'}{f' and {more} more' if more > 0 else ''}"
-
-
-def is_tabular(written: Any) -> bool:
+def _is_file(written: Any) -> bool:
     """Whether a value is the name of a file with columns."""
     return isinstance(written, str) and written.lower().endswith((".csv", ".parquet"))
 
@@ -96,42 +90,16 @@ def _flat(entries: Any, before: str = "") -> Any:
     return found
 
 
-def _values(written: Any) -> Any:
-    for value in written if isinstance(written, list) else [written]:
-        is_number = isinstance(value, float | int) and math.isfinite(value)
-        if not (is_number or isinstance(value, str)):
-            raise ValueError(f"{value!r} is neither finite number nor text")
-    if written == [] or _count(written) > MOST_VALUES:
-        raise ValueError(f"has {_count(written)} values; expected 1 to {MOST_VALUES}")
-    return written
-
-
-def _count(written: Scalar | list[Scalar]) -> int:
-    """Return how many values are written, without making them; a range ends with its number."""
-    if isinstance(written, list):
-        return len(written)
-    words = str(written).split() if BETWEEN in str(written) else []
-    return int(words[-1]) if words and _COUNT.fullmatch(words[-1]) else 1
-
-
 def _reductions(written: Any) -> tuple[str, ...]:
-    names = written if isinstance(written, list) else [written]
+    names = tuple(written if isinstance(written, list) else [written])
     for name in names:
         if name not in REDUCTIONS:
-            raise ValueError(f"{name!r} is no reduction; {nearest(str(name), REDUCTIONS)}")
-    if len(set(names)) != len(names) or not names:
-        raise ValueError(f"{written!r} is not one reduction or several")
-    return tuple(names)
-
-
-def _file(written: str) -> str:
-    if not is_tabular(written):
-        raise ValueError(f"{written!r} is no file ending in .csv or .parquet")
-    return written
+            raise ValueError(f"{name!r} is no reduction; {nearest(str(name), [*REDUCTIONS])}")
+    return names
 
 
 _Time = Annotated[float, Field(strict=True), BeforeValidator(_seconds)]
-_Table = Annotated[Mapping[str, Annotated[Any, AfterValidator(_values)]], BeforeValidator(_flat)]
+_Table = Annotated[Mapping[str, Any], BeforeValidator(_flat)]
 _Outputs = Annotated[
     Mapping[str, Annotated[Any, AfterValidator(_reductions)]], BeforeValidator(_flat)
 ]
@@ -141,101 +109,240 @@ _Outputs = Annotated[
 class Plan(Written):
     """What stands in a plan; its variables are not looked at yet. Times are in seconds."""
 
-    start_time: _Time | None = Field(
-        None,
-        description="first time [s]; default: that of the model's default experiment, else 0",
-    )
-    stop_time: _Time | None = Field(
-        None, description="last time [s]; default: that of the model's default experiment"
-    )
+    start_time: _Time | None = Field(None, description="first time [s]; default: the model's, or 0")
+    stop_time: _Time | None = Field(None, description="last time [s]; default: the model's")
     step: _Time | None = Field(
-        None,
-        gt=0.0,
-        description="communication step [s]; default: that of the model's default experiment, "
-        "else, where only last values are kept, the whole time",
+        None, gt=0.0, description="communication step [s]; default: the model's, or the whole time"
     )
-    settle: _Time | None = Field(
-        None, ge=0.0, description="time from the start that reductions leave out [s]; default 0"
-    )
-    time_limit: _Time | None = Field(
-        None, gt=0.0, description="time that a run may take on the clock [s]; default 60"
-    )
-    reset: Annotated[bool, Field(strict=True)] | None = Field(
-        None,
-        description="whether one instance does run after run, reset between; default: tried out "
-        "first",
-    )
-    points: Annotated[str, AfterValidator(_file)] = Field(
-        "",
-        description="file of points, CSV or Parquet, with a column for each variable, in place of "
-        "a grid",
-    )
+    settle: _Time = Field(0.0, ge=0.0, description="time before reductions begin [s]")
+    time_limit: _Time = Field(60.0, gt=0.0, description="time of a run on the clock, at most [s]")
+    points: str = Field("", description="CSV or Parquet file of points, in place of a grid")
     parameters: _Table = Field(
         default_factory=dict,
         description="what is set before a run: a value, a list of values, or LOW..HIGH UNIT log N",
     )
     inputs: _Table = Field(
         default_factory=dict,
-        description="what drives a run: as parameters, or a CSV or Parquet file of a column `time` "
-        "and others",
+        description="what drives a run: as parameters, or a file of a column `time` and others",
     )
     outputs: _Outputs = Field(
         default_factory=dict,
         min_length=1,
         validate_default=True,
-        description=f"what is kept, by variable: one or a list of {', '.join(REDUCTIONS)}",
+        description="what is kept, one or a list: "
+        + "; ".join(f"{name}, {one.meaning}" for name, one in REDUCTIONS.items()),
     )
-
-    @property
-    def times(self) -> Mapping[str, float]:
-        """Its times [s], as far as it states them."""
-        names = ("start_time", "stop_time", "step", "settle", "time_limit")
-        return {name: time for name in names if (time := getattr(self, name)) is not None}
-
-    @property
-    def as_json(self) -> dict[str, Any]:
-        """What the results depend on, without the contents of tables."""
-        return {
-            "times": self.times,
-            "reset": self.reset,
-            "points": self.points,
-            "parameters": dict(self.parameters),
-            "inputs": dict(self.inputs),
-            "outputs": {name: list(reductions) for name, reductions in self.outputs.items()},
-        }
 
 
 class PlanFile(DataFile):
-    """A plan, `says`, with its place for refusals: a file, or what its TOML says.
+    """A plan for a model, a file or what its TOML says.
 
-    `PlanError` if it cannot be read, is not TOML, or has a key or value that is none of a plan.
+    A `PlanError` is raised for what is no plan, a name that the model does not have, a variable
+    that cannot be set or read, a value that is none of it, a file of columns that cannot be used,
+    times that do not go together.
     """
 
-    def __init__(self, plan: Path | str | Mapping[str, Any]) -> None:
+    def __init__(self, plan: Path | str | Mapping[str, Any], model: Model) -> None:
         if isinstance(plan, Mapping):
             self.path, self.data, self._text, self._error = Path("plan"), {**plan}, "", PlanError
         else:
             super().__init__(Path(plan), PlanError)
-        self.says: Plan = self.read(Plan)
-        set_ = (self.says.parameters, self.says.inputs)
-        if math.prod(_count(written) for table in set_ for written in table.values()) > MOST_RUNS:
-            raise self.refusal(f"makes more than {MOST_RUNS:.0g} runs")
-        for name in set_[0].keys() & set_[1].keys():
-            raise self.refused(f"inputs.{name}", "stands in [parameters] too")
+        self._model = model
+        self._says: Plan = self.read(Plan)
+        self._digests: dict[str, str] = {}
 
-    def refused(self, key: str, reason: str) -> SweepError:
-        """Return the refusal of what stands at a key, such as ``parameters.k``."""
-        error = self.refusal(reason, *key.split(".", 1))
-        assert isinstance(error, PlanError)
-        return error
+    @contextmanager
+    def _at(self, *key: str) -> Iterator[None]:
+        """Refuse what stands at a key, such as `parameters`, `k`, for a reason that is raised."""
+        try:
+            yield
+        except QuantityError as error:
+            raise self.refusal(str(error), *key) from None
 
-    def file(self, written: str) -> Path:
-        """Return the path of a table that the plan names."""
-        return self.path.parent / written
+    def sweep(self) -> Sweep:
+        """Return the study that the plan asks for."""
+        says, model = self._says, self._model
+        fixed, axes, files = dict(model.bound), dict[str, Floats](), dict[str, str]()
+        for table, entries in (("parameters", says.parameters), ("inputs", says.inputs)):
+            for name, written in entries.items():
+                with self._at(table, name):
+                    variable = self._to_set(name, in_run=table == "inputs")
+                    if name in says.inputs and table == "parameters":
+                        raise QuantityError("stands in [inputs] too")
+                    if table == "inputs" and _is_file(written):
+                        files[name] = written
+                        continue
+                    values = self._values(variable, written)
+                if isinstance(written, list) or values.size > 1:
+                    axes[name] = values
+                else:
+                    fixed[name] = float(values[0])
+        if says.points:
+            with self._at("points"):
+                if axes:
+                    raise QuantityError(f"{says.points!r} goes with no values of {', '.join(axes)}")
+                axes = self._points()
+        fixed = {name: value for name, value in fixed.items() if name not in axes}
+        times, steps, settled = self._times(needs_step=bool(files))
+        tables = {}
+        for name, file in files.items():
+            with self._at("inputs", name):
+                tables[name] = self._over_time(name, self._columns(file), times[:-1])
+        taken = {*axes, FAILURE}
+        for name, reductions in says.outputs.items():
+            with self._at("outputs", name):
+                model.variable(name)
+                for column in (column_of(name, reduction) for reduction in reductions):
+                    if column in taken:
+                        raise QuantityError(f"would be {column} twice in the results")
+                    taken.add(column)
+        used = {*fixed, *axes, *files, *says.outputs}
+        used |= {name for wire in model.wires for name in (wire.output, wire.input)}
+        return Sweep(
+            model=replace(model, variables={name: model.variables[name] for name in sorted(used)}),
+            fixed=fixed,
+            swept=tuple(axes),
+            values=tuple(axes.values()),
+            on_grid=not says.points,
+            tables=tables,
+            times=times,
+            steps=steps,
+            settled=settled,
+            outputs=says.outputs,
+            time_limit=says.time_limit,
+            identity={
+                "study": "sweep",
+                "model": model.path.name,
+                "model_digest": sha256(model.content).hexdigest(),
+                "plan": asdict(says),
+                # A digest does not see in which order a plan has them.
+                "axes": list(axes),
+                "tables": self._digests,
+            },
+        )
+
+    def _to_set(self, name: str, *, in_run: bool = False) -> Variable:
+        variable = self._model.variable(name, to_set=True)
+        if in_run and not variable.changes:
+            raise QuantityError(
+                f"is a {variable.sort}, and cannot be set during a run; it goes below [parameters]"
+            )
+        for wire in self._model.wires:
+            if wire.input == name:
+                raise QuantityError(f"is driven by {wire.output}, and cannot be set")
+        return variable
+
+    def _values(self, variable: Variable, written: Any) -> Floats:
+        values: list[float] = []
+        for value in written if isinstance(written, list) else [written]:
+            try:
+                if isinstance(value, str) and BETWEEN in value:
+                    read = partial(typed_in, known=self._model.units)
+                    values += parse_range(value, variable.unit, read=read).values().tolist()
+                else:
+                    values.append(self._model.number(value, variable))
+            except QuantityError as error:
+                raise QuantityError(f"{value!r} {error}") from None
+        if not values:
+            raise QuantityError("has no values")
+        return np.array(values)
+
+    def _points(self) -> dict[str, Floats]:
+        columns, points = self._columns(self._says.points), {}
+        for name in columns:
+            if name in {**self._says.parameters, **self._says.inputs}:
+                raise QuantityError(f"{self._says.points!r} has {name}, and so has the plan")
+            try:
+                points[name] = self._converted(columns, name, self._to_set(name).unit)
+            except QuantityError as error:
+                raise QuantityError(f"{self._says.points!r}: {name} {error}") from None
+        return points
+
+    def _converted(self, columns: _Columns, name: str, unit: str) -> Floats:
+        """Return a column in a unit."""
+        (numbers, stated), known = columns[name], self._model.units
+        if stated in ("", unit):
+            return numbers
+        return np.array([in_unit(repr(value), stated, unit, known) for value in numbers.tolist()])
+
+    def _over_time(self, name: str, columns: _Columns, times: Floats) -> Floats:
+        """Return the values of an input at times [s]."""
+        if not {_TIME, name} <= columns.keys():
+            raise QuantityError(f"needs the columns {_TIME} and {name}; {', '.join(columns)} given")
+        variable = self._model.variables[name]
+        values = self._converted(columns, name, variable.unit)
+        at = self._converted(columns, _TIME, "s")
+        if np.any(np.diff(at) < 0.0):
+            raise QuantityError(f"time falls in row {int(np.argmax(np.diff(at) < 0.0)) + 2}")
+        # Of rows of one time the last one counts from then on.
+        if variable.is_continuous:
+            return np.interp(times, at, values)
+        return values[np.maximum(np.searchsorted(at, times, side="right") - 1, 0)]
+
+    def _times(self, *, needs_step: bool) -> tuple[Floats, Floats, int]:
+        """Return communication points, their steps, and the first point that is looked at."""
+        says, model = self._says, self._model
+        stated = {name: time for name, time in vars(says).items() if time is not None}
+        stated = {"start_time": 0.0, **model.experiment, **stated}
+        if "stop_time" not in stated:
+            raise self.refusal(f"has no stop_time, and {model.path.name} no default of it")
+        start, stop = stated["start_time"], stated["stop_time"]
+        duration = stop - start
+        if not duration > says.settle:
+            why = f"{stop:g} s is not after start_time = {start:g} s and settle = {says.settle:g} s"
+            raise self.refusal(why, "stop_time")
+        if "step" not in stated and (needs_step or model.wires or reduces(says.outputs)):
+            raise self.refusal(
+                f"has no step, and {model.path.name} no default of it; write such as "
+                f'step = "{duration / 1000.0:g} s"'
+            )
+        step = min(stated.get("step", duration), duration)
+        count = duration / step
+        if count > MOST_STEPS:
+            reason = f"{step:g} s makes {count:.3g} steps; at most {MOST_STEPS:g}"
+            raise self.refusal(reason, "step")
+        steps = max(1, math.ceil(count - _WHOLE))
+        times: Floats = start + step * np.arange(steps + 1, dtype=np.float64)
+        times[-1] = stop
+        lengths = np.full(steps, step)
+        if abs(count - steps) > _WHOLE * steps:
+            lengths[-1] = times[-1] - times[-2]
+        settled = np.searchsorted(times, start + says.settle - _WHOLE * step)
+        return times, lengths, int(settled)
+
+    def _columns(self, name: str) -> _Columns:
+        """Read a file of columns; a `QuantityError`, with the line, if it cannot be used."""
+        file = self.path.parent / name
+        try:
+            self._digests[name] = sha256(file.read_bytes()).hexdigest()
+            if file.suffix.lower() == ".parquet":
+                need("pyarrow")
+                frame = need("pandas").read_parquet(file)
+                units = frame.attrs.get("units", {})
+                header = [f"{column} [{units.get(column) or ''}]" for column in frame.columns]
+                rows = [*enumerate(frame.itertuples(index=False, name=None), 1)]
+            else:
+                (_, header), *rows = csv_lines(file.read_text("utf-8-sig"))
+        except Exception as error:
+            reason = getattr(error, "strerror", None) or " ".join(str(error).split())
+            raise QuantityError(f"{name!r} cannot be read: {reason}") from None
+        table = np.full((len(rows), len(header)), math.nan)
+        for row, (line, cells) in zip(table, rows, strict=True):
+            with suppress(TypeError, ValueError):
+                row[:] = [{"true": 1.0, "false": 0.0}.get(str(c).lower(), c) for c in cells]
+            if len(cells) != len(header) or not np.isfinite(row).all():
+                has = f"{', '.join(map(str, cells))}, and not {len(header)} finite numbers"
+                raise QuantityError(f"{name!r}: line {line} has {has}")
+        matches = [match for cell in header if (match := _HEADING.fullmatch(cell))]
+        columns = {
+            match["name"]: (column, (match["unit"] or "").strip())
+            for match, column in zip(matches, table.T.copy(), strict=True)
+        }
+        if len(columns) < len(header) or "" in columns or not rows:
+            raise QuantityError(f"{name!r} has no rows, a column twice, or one without a name")
+        return columns
 
 
-_WIDE: Final = 100
-"""Characters of a line."""
 _BARE: Final = re.compile(r"[A-Za-z0-9_-]+(?:\.[A-Za-z0-9_-]+)*")
 
 
@@ -248,41 +355,29 @@ def template(model: Model) -> str:
     help_of = {name: str(one.description) for name, one in Plan.__pydantic_fields__.items()}  # type: ignore[attr-defined]
     driven = {wire.input for wire in model.wires}
     usable = [one for one in model.variables.values() if not one.obstacle]
-    first = [one for one in usable if one.starts and one.name not in driven]
     stop = model.experiment.get("stop_time", 1.0)
-    step = model.experiment.get("step", stop / 1000.0)
-
-    def starts(kind: str) -> list[str]:
-        variables = [one for one in first if kind in one.causality.lower()]
-        bound = {name: repr(value) for name, value in model.bound.items()}
-        return [
-            "# " + _entry(one, bound.get(one.name, one.start_text or "0.0")) for one in variables
-        ]
-
+    times = {"stop_time": stop, "step": stop / 1000.0, **model.experiment}
     lines = [
-        *_comment(f"Plan of stickslip sweep for {model.path.name}. A number is in the unit of its"
-                  " variable, which stands behind it; a text may have another: \"40 N/um\"."),
-        *_comment('Several values make a grid: [0.3, 0.4], "0.3..0.5 5", "1e3..1e5 N/m log 50".'),
-        "",
-        f"stop_time = {stop:g}  # s",
-        f"step = {step:g}  # s; {help_of['step'].partition(';')[0]}",
-        "# settle = 0.0  # s; " + help_of["settle"].partition(" [s]")[0],
-        f"# time_limit = {TIME_LIMIT:g}  # s; " + help_of["time_limit"].partition(" [s]")[0],
-        "# points = \"points.csv\"  # " + help_of["points"],
-        "", *_comment(help_of["parameters"]), "[parameters]", *starts("parameter"),
-        "", *_comment(help_of["inputs"]), "[inputs]", *starts("input"),
-        "", *_comment("; ".join(f"{name}: {one.meaning}" for name, one in REDUCTIONS.items())),
-        "[outputs]", *(_entry(one, '"last"') for one in usable if one.causality == "output"),
-    ]  # fmt: skip
+        f"# Plan of stickslip sweep for {model.path.name}. Numbers are in the units behind them; a",
+        '# text may have another, "4 N/um". Grids: [0.3, 0.4], "0.3..0.5 5", "1e3..1e5 N/m log 5".',
+        *(f"{name} = {value:g}  # {help_of[name]}" for name, value in times.items()),
+        f"# settle = 0.0  # {help_of['settle']}",
+        f"# time_limit = 60.0  # {help_of['time_limit']}",
+        f'# points = "points.csv"  # {help_of["points"]}',
+    ]
+    for table in ("parameters", "inputs"):
+        lines += ["", f"# {help_of[table]}", f"[{table}]"]
+        for one in usable:
+            if one.starts and one.name not in driven and one.causality.lower() in table:
+                start = model.bound.get(one.name, one.start_text or "0.0")
+                lines.append(f"# {_entry(one, start)}")
+    lines += ["", f"# {help_of['outputs']}", "[outputs]"]
+    lines += [_entry(one, '"last"') for one in usable if one.causality == "output"]
     return "\n".join(lines) + "\n"
 
 
-def _entry(variable: Variable, value: str) -> str:
+def _entry(variable: Variable, value: float | str) -> str:
     name, about = variable.name, ", ".join(filter(None, (variable.unit, variable.description)))
     quoted = name if _BARE.fullmatch(name) else json.dumps(name, ensure_ascii=False)
     plain = "".join(letter if letter.isprintable() else " " for letter in about)
     return f"{quoted} = {value}" + (f"  # {plain}" if plain else "")
-
-
-def _comment(text: str) -> list[str]:
-    return [f"# {line}" for line in textwrap.wrap(text, _WIDE - 2)]
