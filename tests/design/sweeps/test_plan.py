@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 
 from stickslip_design.datasets import digest_of
-from stickslip_design.sweeps import SweepError, read_model
-from stickslip_design.sweeps.model import Model
+from stickslip_design.sweeps.model import Model, SweepError, read_model
 from stickslip_design.sweeps.runs import Sweep
 from stickslip_design.sweeps.study import prepare
 

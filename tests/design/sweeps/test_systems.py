@@ -9,7 +9,7 @@ import pytest
 
 from examples.feed_axis.system import Move, start_values
 from stickslip_design.axis import axis_of, example
-from stickslip_design.sweeps import SweepError, read_model
+from stickslip_design.sweeps.model import SweepError, read_model
 from stickslip_design.sweeps.study import prepare
 from tests.design.sweeps.test_runs import results
 from tests.examples.coupled import simulate

@@ -21,7 +21,7 @@ def sweep(
 ) -> None:
     """Run an FMU or SSP file with many settings, and keep numbers of each run."""
     if template:
-        from stickslip_design.sweeps import read_model
+        from stickslip_design.sweeps.model import read_model
         from stickslip_design.sweeps.plan import template as template_text
 
         hand_out(template_text(read_model(model)), plan, "--template")

@@ -29,7 +29,7 @@ from concurrent.futures import (
 )
 from contextlib import AbstractContextManager, ExitStack, contextmanager, nullcontext, suppress
 from multiprocessing.connection import Connection
-from typing import Final, NamedTuple, TypeAlias, TypedDict
+from typing import Final, TypeAlias, TypedDict
 
 from stickslip_verification.drive.processes import discard_prints, fast_context, jobs_here
 
@@ -87,15 +87,9 @@ class Computing(TypedDict, total=False):
     progress: Callable[[Progress], None] | None
 
 
-class State(NamedTuple):
-    """How many chunks workers compute at once, how many they are given, and a note to a person."""
-
-    workers: int
-    ahead: int
-    note: str = ""
-
-
 MakeExecutor: TypeAlias = Callable[[], AbstractContextManager[Executor]]
+State: TypeAlias = tuple[int, int, str]
+"""How many chunks workers compute at once, how many they are given, and a note to a person."""
 Workers: TypeAlias = tuple[MakeExecutor, Callable[[], State]]
 """What makes an executor, anew after it broke, and its state; `CancelledError` where it ended."""
 
@@ -116,7 +110,7 @@ def processes(count: int) -> Workers:
             life.close()
             executor.shutdown(cancel_futures=True)
 
-    return pool, lambda: State(count, count)
+    return pool, lambda: (count, count, "")
 
 
 def _begin(life: Connection) -> None:
@@ -171,7 +165,7 @@ def cluster_of(address: str) -> Iterator[Workers]:
                 has = "workers of several threads, which compute one chunk at a time"
                 has = has if threads else "no workers: waiting"
                 note = f"{address} has {has}; dask worker {address} --nthreads 1 starts one"
-            return State(count, _AHEAD * count, note)
+            return count, _AHEAD * count, note
 
         try:
             executor: Executor = client.get_executor(pure=False)
@@ -325,28 +319,29 @@ class _Running:
             while self._left or suspects or given:
                 count, ahead, note = state()
                 singly = deaths.keys() & {*suspects, *given.values()}
-                while len(given) < (1 if singly else ahead) and (suspects or self._left):
-                    chunk = suspects.pop() if suspects else self._take(count)
-                    try:
-                        future = executor.submit(work, self._store.address, self.key, chunk)
-                    except BrokenExecutor as error:
-                        future = Future()
-                        future.set_exception(error)
-                    given[future] = chunk
-                ended, _ = wait(given, _REPORT, FIRST_COMPLETED)
-                if any(map(_is_broken, ended)):
-                    ended, _ = wait(given)
+                try:
+                    while len(given) < (1 if singly else ahead) and (suspects or self._left):
+                        if not suspects:
+                            suspects.append(self._take(count))
+                        future = executor.submit(work, self._store.address, self.key, suspects[-1])
+                        given[future] = suspects.pop()
+                    for future in wait(given, _REPORT, FIRST_COMPLETED).done:
+                        self._note(future.result())
+                        del given[future]
+                except BrokenExecutor:
+                    suspects += given.values()
+                    deaths.update(given.values())
+                    given.clear()
+                    for chunk in suspects:
+                        if deaths[chunk] == _DEATHS:
+                            why = f"{chunk} ended their worker process {_DEATHS} times"
+                            raise StudyError(why) from None
                     stack.close()
                     executor = stack.enter_context(make())
-                for future in ended:
-                    chunk = given.pop(future)
-                    if not _is_broken(future):
-                        self._note(_answer(future, chunk))
-                        continue
-                    deaths[chunk] += 1
-                    if deaths[chunk] == _DEATHS:
-                        raise StudyError(f"{chunk} ended their worker process {_DEATHS} times")
-                    suspects.append(chunk)
+                except (StudyError, CancelledError):
+                    raise
+                except Exception as error:
+                    raise StudyError(f"a worker cannot compute: {reason(error)}") from error
                 self._report(note)
 
     def _take(self, workers: int) -> Chunk:
@@ -378,16 +373,3 @@ class _Running:
         if self._progress is not None:
             so_far = self._computed, self._study.count, self._failed
             self._progress(Progress(*so_far, time.monotonic() - self._begun, self._kept, note))
-
-
-def _is_broken(future: Future[Done]) -> bool:
-    return not future.cancelled() and isinstance(future.exception(), BrokenExecutor)
-
-
-def _answer(future: Future[Done], chunk: Chunk) -> Done:
-    try:
-        return future.result()
-    except (StudyError, CancelledError):
-        raise
-    except Exception as error:
-        raise StudyError(f"{chunk} cannot be computed by a worker: {reason(error)}") from error

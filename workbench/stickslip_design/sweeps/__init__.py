@@ -1,9 +1,1 @@
-"""Sweeps: any FMU or system of FMUs, run with many settings.
-
-`sweep` runs one and returns a dataset. The public names stand in `__init__.pyi`; each is imported
-at its first use.
-"""
-
-import lazy_loader
-
-__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)
+"""Sweeps: any FMU or system of FMUs, run with many settings."""
