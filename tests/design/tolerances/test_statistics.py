@@ -9,7 +9,7 @@ from scipy import stats
 from scipy.special import ndtri
 
 from stickslip_design.tolerances.machines import correlated, factor_of, shares
-from stickslip_design.tolerances.statistics import indices, interval, mixed, probability, ranks
+from stickslip_design.tolerances.statistics import indices, interval, mixed, probability
 
 NAMES = ("a", "b", "c")
 ROWS = 4096
@@ -48,18 +48,6 @@ def test_an_interval_holds_the_probability_in_95_percent(low: float, high: float
     for number in (0, 3, 100, 200):
         expected = stats.binomtest(number, count).proportion_ci(method="wilson")
         assert probability(number, count)[1:] == pytest.approx(tuple(expected), abs=1e-15)
-
-
-@pytest.mark.parametrize(("count", "share"), [(1000, 0.99), (5000, 0.9), (300, 0.5)])
-def test_bounds_of_a_quantile_hold_it_in_at_least_95_percent(count: int, share: float) -> None:
-    low, value, high = ranks(count, share)
-    # The first value that so many do not exceed.
-    assert low < value == math.ceil(count * share) < high
-    # The place of the n-th of uniform values is a beta variable.
-    missed = stats.beta.sf(share, low, count + 1 - low)
-    missed += stats.beta.cdf(share, high, count + 1 - high)
-    # Whole places: 10 of 1,000 machines leave a per cent too much at each end.
-    assert 0.95 <= 1.0 - missed < 0.98
 
 
 def test_indices_of_the_function_of_ishigami_are_known() -> None:

@@ -23,7 +23,7 @@ from typing import Final, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 from scipy.special import ndtri
-from scipy.stats import binom, qmc, sobol_indices
+from scipy.stats import qmc, quantile_test, sobol_indices
 
 from ..axis import AxisError, AxisFile
 from ..chunks import Columns, Results, Study
@@ -72,28 +72,6 @@ def interval(hits: Floats, count: Floats) -> tuple[Floats, Floats]:
     return low, high
 
 
-def ranks(count: int, share: float) -> tuple[int, int, int]:
-    """Return which of the values of a sample in order is a quantile, and which bound it.
-
-    Parameters
-    ----------
-    count
-        How many values there are.
-    share
-        Of the quantile [-].
-
-    Returns
-    -------
-    tuple
-        From 1: of the lower bound, the value, the upper bound. 0 or count + 1 where the sample is
-        too small for the bound. Order statistics of a binomial count: David and Nagaraja, Order
-        Statistics, 2003, section 7.1.
-    """
-    value = min(max(math.ceil(share * count - 1e-9), 1), count)
-    low, high = binom.ppf([_TAIL, 1.0 - _TAIL], count, share)
-    return int(low), value, int(high) + 1
-
-
 _RESAMPLES: Final = 200
 """Resamples of the rows, out of which the intervals come."""
 _SHIFT, _RESAMPLING = 0, 1
@@ -122,13 +100,8 @@ class Indices:
 class Mixed(Machines):
     """The study of the machines that Sobol indices are made from; columns as of `Samples`.
 
-    Attributes
-    ----------
-    population
-        The machines; their correlations are left out.
-    rows
-        Rows of the samples A and B, a power of two. Point ``block * rows + row`` is of A, of B, or
-        of A with one number of B.
+    Correlations are left out. Point ``block * rows + row`` is of the sample A, of B, or of A with
+    one number of B; `rows` is a power of two.
     """
 
     feeds: tuple[float, ...]
@@ -208,19 +181,11 @@ _STEPS_CLOSED, _STEPS = 20, 13
 
 @dataclass(frozen=True)
 class Turns(Machines):
-    """The study of where each machine turns from jumping to even motion.
+    """The study of where each machine turns from jumping to even motion at a feed [m/s].
 
-    Attributes
-    ----------
-    feed
-        The feed [m/s].
-    path, low, high
-        The number of the axis file that is multiplied, and the least and the largest factor.
-
-    Notes
-    -----
-    Columns: ``even at low`` and ``even at high``; ``turn``, the even end of the halved range [-],
-    NaN where both ends are alike.
+    The number `path` of the axis file is multiplied by factors from `low` to `high`. Columns:
+    ``even at low`` and ``even at high``; ``turn``, the even end of the halved range [-], NaN where
+    both ends are alike.
     """
 
     feed: float
@@ -273,30 +238,12 @@ class Hold(NamedTuple):
 class Solved:
     """The nominal value of a number at which enough machines run evenly.
 
-    Attributes
-    ----------
-    path, unit
-        The number, and the SI unit in which the file states it.
-    share, feed
-        What must hold: the share of machines that run evenly [-], at a feed [m/s].
-    value
-        The nominal value; its scatter grows and shrinks with it.
-    low, high
-        Its interval of confidence of 95 %; an end is NaN where the sample is too small for it, or
-        it is beyond the range.
-    now, share_now
-        The nominal value of the file, and the share of machines that run evenly there.
-    at_most
-        Whether more of them run evenly below `value`; else above it.
-    checked
-        The share of even machines at `value`, counted anew: another one than `share` where a
-        machine turns more than once. Without a value that of now.
-    within
-        The values among which it was looked for.
-    at_ends
-        The share of even machines at each of them [-].
-    unsolved
-        Why there is no such value, in words; empty where there is one. Without one `value` is NaN.
+    It is `value`, with an interval of confidence of 95 % from `low` to `high`, in the SI unit in
+    which the file states the number `path`; its scatter grows and shrinks with it. An end is NaN
+    where the sample is too small for it, or it is beyond the range. More machines run evenly below
+    it if `at_most`, else above. Counted anew there the share [-] is `checked`: another one than
+    `share` where a machine turns more than once. It was looked for `within` two values, with the
+    shares `at_ends`. Without a value, which is NaN then, `unsolved` says why.
     """
 
     path: str
@@ -322,11 +269,7 @@ def hold_of(
     """Return what must hold, the number looked for `within` a lowest and a highest value.
 
     None: a tenth to ten times its nominal value, in the SI unit in which the file states it.
-
-    Raises
-    ------
-    AxisError
-        If the file states no such number, or the range is not one of its.
+    AxisError if the file states no such number, or the range is not one of its.
     """
     stated = check(file, path)
     now = stated.value if distribution is None else distribution.nominal
@@ -370,9 +313,9 @@ def solved(
     # Machines that are even everywhere turn before the range begins, those that never are after it.
     always, never = (math.inf, 0.0) if at_most else (0.0, math.inf)
     turn = np.where(np.isnan(turn), np.where(at_low, always, never), turn)
-    order = np.sort(turn)[::-1] if at_most else np.sort(turn)
-    first, at, last = ranks(count, share)
-    factor = float(order[at - 1])
+    signed = -turn if at_most else turn
+    at = min(max(math.ceil(share * count - 1e-9), 1), count)
+    factor = abs(float(np.sort(signed)[at - 1]))
     unsolved = ""
     if back:
         unsolved = f"{back} of {count} machines turn back again in its range, which is too wide"
@@ -380,11 +323,12 @@ def solved(
         unsolved = "no value in its range does it"
     elif factor == always:
         unsolved = "every value in its range does it"
-    bounds = [float(order[n - 1]) if 1 <= n <= count else math.nan for n in (first, last)]
-    bounds = [now * bound if 0.0 < bound < math.inf else math.nan for bound in bounds]
+    # Order statistics of a binomial count: David and Nagaraja, Order Statistics, 2003, section 7.1.
+    ends = map(abs, quantile_test(signed, p=share).confidence_interval(CONFIDENCE))
+    bounds = [now * end if 0.0 < end < math.inf else math.nan for end in ends]
     share_now = even(1.0, "now")
     at_most = at_most == (now > 0.0)
-    ends = (now * low, float(at_low.mean())), (now * high, float(at_high.mean()))
+    tried = sorted([(now * low, float(at_low.mean())), (now * high, float(at_high.mean()))])
     return Solved(
         path=path, unit=check(population.file, path).unit, share=share, feed=feed,
         value=math.nan if unsolved else now * factor,
@@ -392,6 +336,6 @@ def solved(
         high=math.nan if unsolved else bounds[not at_most],
         now=now, share_now=share_now, at_most=at_most,
         checked=share_now if unsolved else even(factor, "solved"),
-        within=(min(ends)[0], max(ends)[0]), at_ends=(min(ends)[1], max(ends)[1]),
+        within=(tried[0][0], tried[1][0]), at_ends=(tried[0][1], tried[1][1]),
         unsolved=unsolved,
     )  # fmt: skip
