@@ -77,15 +77,9 @@ _PLUS_MINUS: Final = re.compile(r"±|\+/-|\+-")
 class Distribution:
     """The distribution of a number, in the SI unit in which the file states it.
 
-    Attributes
-    ----------
-    kind
-        "normal" (mean, standard deviation), "lognormal" (median, standard deviation of the
-        logarithm), "uniform" (lowest, highest) or "triangular" (lowest, likeliest, highest).
-    numbers
-        These.
-    low, high
-        The range of the number; the part of a normal that is beyond it is left out.
+    Its `kind` is normal (mean, standard deviation), lognormal (median, standard deviation of the
+    logarithm), uniform (lowest, highest) or triangular (lowest, likeliest, highest): the `numbers`.
+    The part of a normal that is beyond `low` and `high` is left out.
     """
 
     kind: str
@@ -117,13 +111,7 @@ class Distribution:
         return below, above
 
     def values(self, share: Floats) -> Floats:
-        """Return the values below which shares of all lie.
-
-        Parameters
-        ----------
-        share
-            Shares, above 0 and below 1 [-].
-        """
+        """Return the values below which shares of all lie, above 0 and below 1 [-]."""
         below, above = self._ends
         # With nothing cut off the share stays as it is, to the bit.
         if (below, above) != (0.0, 1.0):
@@ -260,21 +248,10 @@ by the place of a number in its array."""
 
 @dataclass(frozen=True)
 class Population:
-    """The machines of a series: an axis file whose numbers vary.
+    """The machines of a series: an axis file, and the distributions of its numbers that vary.
 
-    Attributes
-    ----------
-    file, varied
-        The axis file, and the distributions by name.
-    correlation
-        Correlations of pairs of them, -1 to 1; others are 0.
-    seed
-        The seed of the random numbers.
-
-    Raises
-    ------
-    ValueError
-        If the correlations cannot be.
+    The `correlation` has those of pairs of them, -1 to 1, others are 0; ValueError if they cannot
+    be. The random numbers have a `seed`.
     """
 
     file: AxisFile
@@ -375,17 +352,8 @@ class Machines(ABC):
 
 @dataclass(frozen=True)
 class Samples(Machines):
-    """The study of machines drawn at random.
+    """The study of machines drawn at random; a number of the file is `scaled` by a factor in all.
 
-    Attributes
-    ----------
-    scaled
-        A number of the file that is multiplied in all of them, empty for none, and the factor.
-    regimes_only
-        Whether the regimes alone are asked for.
-
-    Notes
-    -----
     Columns: the numbers that vary by their names; ``critical_feed``, ``stable``, ``clamped``;
     ``jump 1``, ``rate 1``, ``regime 1`` of the first feed, and so on; `points.axes.axis_points`
     describes them.

@@ -48,18 +48,9 @@ _PROBABILITY: Final = {
 
 @dataclass(frozen=True)
 class Question:
-    """What is asked of a series of machines.
+    """What is asked of a series of machines, of which `count` are drawn, at feeds [m/s].
 
-    Attributes
-    ----------
-    population, count
-        The machines, and how many are drawn.
-    feeds
-        Feeds at which each is judged [m/s].
-    rows
-        Rows of the Sobol indices, a power of two; 0: none.
-    hold
-        What must hold; None: nothing is solved for.
+    Sobol indices have `rows`, a power of two, or 0: none; `hold` is what is solved for.
     """
 
     population: Population
@@ -76,20 +67,12 @@ class Question:
 
 @dataclass(frozen=True)
 class Outcome:
-    """What the machines do at a feed.
+    """What the machines do at a feed [m/s].
 
-    Attributes
-    ----------
-    feed
-        The feed [m/s].
-    jumps, even
-        The probabilities that a machine jumps there, and that it runs evenly: its jump is 0.
-    swings, unknown
-        How many swing without rest, or have an unstable loop; how many could not be computed.
-    jump
-        The `QUANTILES` of the jump [m] of those that jump; NaN where none does.
-    unmeasured
-        How many jump by an unknown way: a drive turns the table back between two jumps.
+    `jumps` and `even` are the probabilities that a machine jumps there, and that it runs evenly.
+    `swings` swing without rest, or have an unstable loop; `unknown` could not be computed. `jump`
+    are the `QUANTILES` of the jump [m] of those that jump, NaN where none does; `unmeasured` jump
+    by an unknown way: a drive turns the table back between two jumps.
     """
 
     feed: float
@@ -103,21 +86,11 @@ class Outcome:
 
 @dataclass(frozen=True)
 class Scatter:
-    """The answer.
+    """The answer: what the machines do, by feed; `columns` of each machine as of `Samples`.
 
-    Attributes
-    ----------
-    question, outcomes
-        What was asked, and what the machines do, by feed.
-    columns
-        The numbers and results of each machine, as `Samples` describes them.
-    clamped
-        How many had their mu_k above their mu_s, and it was taken as that.
-    indices
-        Sobol indices by result: ``critical_feed``, ``jump 1`` of the first feed, and so on; a
-        result that is the same at all machines, or not finite, has none.
-    solved
-        The number that was solved for.
+    Of `clamped` machines mu_k came above mu_s and was taken as that. Sobol indices by result:
+    ``critical_feed``, ``jump 1`` of the first feed, and so on; a result that is the same at all
+    machines, or not finite, has none.
     """
 
     question: Question
