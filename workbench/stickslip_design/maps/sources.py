@@ -51,16 +51,10 @@ class OverError(ValueError):
 
 
 class Quantity(NamedTuple):
-    """What may be mapped over.
+    """What may be mapped over, in its SI unit, "1" for a plain number.
 
-    Attributes
-    ----------
-    unit, description
-        SI unit, "1" for a plain number; the meaning, in words.
-    read
-        Reads a quantity with its unit into SI; raises QuantityError.
-    check
-        Raises a ValueError if one of some values cannot be taken.
+    `read` reads a quantity into SI, or raises QuantityError; `check` raises a ValueError if one of
+    some values cannot be taken.
     """
 
     unit: str
@@ -71,14 +65,9 @@ class Quantity(NamedTuple):
 
 @dataclass(frozen=True)
 class Dimension:
-    """A parameter and the values that it takes, rising.
+    """A parameter and the values [SI] that it takes, rising.
 
-    Attributes
-    ----------
-    name, quantity, values
-        The parameter, what it is, and its values [SI].
-    shown, log
-        The unit in which it was typed, "" for none; whether it is drawn on a logarithmic scale.
+    It was typed in the unit `shown`, "" for none; `log`: it is drawn on a logarithmic scale.
     """
 
     name: str
@@ -149,27 +138,12 @@ def _even(numbers: NDArray[np.float64]) -> bool:
 
 @dataclass(frozen=True)
 class Source:
-    """What a map computes at points.
+    """What a map computes at points: `columns`, by `at`, which takes arrays by dimension.
 
-    Attributes
-    ----------
-    title
-        What is mapped, in words.
-    fastest
-        The parameter, if the map is over it, that changes from point to point.
-    by_slips
-        Whether slips are followed, which is slow without a C compiler.
-    most
-        About how many points are computed in one call.
-    columns
-        The columns by name.
-    identity
-        All that the results depend on beside the grid: JSON.
-    point
-        The values [SI] of the block or axis itself, of the parameters that the map is over.
-    at
-        Returns columns at the points of arrays that broadcast, by the name of the dimension. The
-        columns broadcast to the common shape.
+    The arrays broadcast, and so do the columns. About `most` points are computed in one call, and
+    the parameter `fastest`, if the map is over it, changes from point to point. `by_slips`: slips
+    are followed, which is slow without a C compiler. `point` has the values [SI] of the block or
+    axis itself; the results depend on `identity`, JSON, beside the grid.
     """
 
     title: str

@@ -96,13 +96,6 @@ class GridStudy:
 
     Points are computed in blocks that begin at the same places however the study is cut: the
     vector code of NumPy may round by where in an array a number stands.
-
-    Attributes
-    ----------
-    over
-        The dimensions as they were asked for.
-    source
-        What is computed.
     """
 
     over: tuple[Dimension, ...]

@@ -44,15 +44,7 @@ _FACTOR: Final = 50.0
 
 @dataclass(frozen=True)
 class Side:
-    """A side of a picture, or a parameter that stays in it.
-
-    Attributes
-    ----------
-    name, description, values
-        The parameter, and its values [SI].
-    unit, log
-        The unit that they are shown in, and whether on a logarithmic scale.
-    """
+    """A side of a picture, or a parameter that stays in it: values [SI], shown in a unit."""
 
     name: str
     description: str
@@ -99,16 +91,10 @@ _LIMITS: Final = (("v_c", "v"), ("critical_feed", "feed"))
 
 
 class View:
-    """How the dataset of a map is looked at: its first two parameters are the sides of a picture.
+    """How the dataset of a map is looked at: its first two parameters, x and y, are the sides.
 
-    Attributes
-    ----------
-    x, y, further
-        The first and the second parameter, and the others.
-    variables, main
-        What there is to show, by name in words, and the name of the first one.
-    point
-        The values [SI] that the block or axis itself has, by parameter.
+    `variables` are what there is to show, by name in words, `main` the first one; `point` has the
+    values [SI] of the block or axis itself, by parameter.
     """
 
     def __init__(self, dataset: xarray.Dataset) -> None:
@@ -138,12 +124,9 @@ class View:
         return both[0][1], both[1][1], words
 
     def places(self, most: int) -> list[dict[str, int]]:
-        """Return which slices are shown: values of the further parameters, thinned evenly.
+        """Return `most` slices or less: values of the further parameters, thinned evenly.
 
-        Parameters
-        ----------
-        most
-            How many slices at most; every parameter keeps both of its ends.
+        Every parameter keeps both of its ends.
         """
         counts = [each.values.size for each in self.further]
         while math.prod(counts) > most and max(counts) > 2:

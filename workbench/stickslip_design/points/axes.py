@@ -45,9 +45,8 @@ def axis_points(
     file
         The axis file.
     changes
-        Arrays of shape (n,) by the name of a number in the file, as `AxisFile.changed` takes it:
-        ``axis.mass``, ``axis.stiffness[1]``, in the SI unit in which the file states it. What else
-        the file states is held, zeta and forces too.
+        Arrays of shape (n,) by the name of a number in the file, ``axis.mass``, in the SI unit in
+        which the file states it. What else the file states is held, zeta and forces too.
     feeds
         Feeds [m/s] > 0 at which each is judged. Without any: the critical feed alone.
     regimes_only

@@ -37,13 +37,7 @@ WITHOUT_INFLUENCE: Final = ("F_ext", "x_start", "x_dot_start", "z_start", "age_s
 
 @cache
 def table_of_law(law: str) -> Table:
-    """Return the variable table of the block under a friction law.
-
-    Raises
-    ------
-    ValueError
-        If the friction law is none of those whose steady motion is known.
-    """
+    """Return the variable table of the block; ValueError for a friction law that has no map."""
     if law not in BUILT_IN:
         raise ValueError(f"{law!r} has no map; the friction laws with one: {', '.join(BUILT_IN)}")
     return table_of(friction_law(law).law.interface)
@@ -95,17 +89,9 @@ def block_points(
 def critical_speeds(values: Values, law: str = COULOMB_NAME) -> Floats:
     """Return the highest pulling velocities [m/s] at which a cycle with a stick exists.
 
-    Parameters
-    ----------
-    values, law
-        As of `block_points`; ``v`` is of no influence.
-
-    Returns
-    -------
-    array
-        Of the common shape of the arrays but for that of ``v``. Infinite where stick-slip has no
-        end, NaN where the search of `stickslip_ref.critical_velocity` fails. Closed under Coulomb's
-        law with constant coefficients, else 10 to 100 ms a point.
+    Arguments are as of `block_points`; ``v`` is of no influence. Infinite where stick-slip has no
+    end, NaN where the search of `stickslip_ref.critical_velocity` fails. Closed under Coulomb's law
+    with constant coefficients, else 10 to 100 ms a point.
     """
     given = _checked({**values, "v": 1.0}, law)
     if has_closed_form(given, law):

@@ -37,19 +37,11 @@ REST_SLACK: Final = 8.0 * 2.0**-52
 
 
 class Motion(NamedTuple):
-    """Steady motions of many blocks; arrays that broadcast.
+    """Steady motions of many blocks: whether a cycle `sticks`; arrays that broadcast.
 
-    Attributes
-    ----------
-    sticks
-        Whether a cycle with a stick exists.
-    t_stick, t_slip
-        Lengths of its stick, and from break-away to re-stick [s]; NaN where there is no cycle, or
-        none whose sticks settle to one length.
-    swings
-        Whether steady sliding is unstable.
-    at_limit
-        Whether one of the two, `sticks` and `swings`, changes within `BESIDE` of the velocity.
+    `t_stick`, and `t_slip` from break-away to re-stick [s], are NaN where there is no cycle, or
+    its sticks do not settle to one length; steady sliding that is unstable `swings`. One of the two
+    changes within `BESIDE` of the velocity where it is `at_limit`.
     """
 
     sticks: Flags
@@ -64,15 +56,7 @@ class SlowCoreWarning(UserWarning):
 
 
 class Slips(NamedTuple):
-    """First slips of many runs; `stickslip_native.batch.FirstSlips` says what they are.
-
-    Attributes
-    ----------
-    t_stick, t_slip
-        Lengths of the stick before the slip and of the slip [s], infinite where it has no end.
-    delta_x, spring_drop
-        Displacement of the mass and fall of the spring extension in the slip [m].
-    """
+    """First slips of many runs, as of `stickslip_native.batch.FirstSlips` [s, m]."""
 
     t_stick: Floats
     t_slip: Floats
@@ -81,25 +65,12 @@ class Slips(NamedTuple):
 
 
 def first_slips(values: Values, law: str) -> Slips:
-    """Compute the first slip of many runs, each exactly, on one core.
+    """Compute the first slip of many runs under a built-in friction law, each exactly, on one core.
 
-    Parameters
-    ----------
-    values
-        Parameters and inputs of the block by name [SI]: numbers, and arrays of one dimension and
-        one length. What is not named has its start value.
-    law
-        Name of a built-in friction law.
-
-    Raises
-    ------
-    ValueError
-        If a value is out of range; the message names the run, from 0 on.
-
-    Warns
-    -----
-    SlowCoreWarning
-        Once a process, if there is no C compiler; the results are the same to the bit.
+    `values` are parameters and inputs of the block by name [SI]: numbers, and arrays of one
+    dimension and one length; what is not named has its start value. ValueError, which names the run
+    from 0 on, if one is out of range. `SlowCoreWarning`, once a process, without a C compiler; the
+    results are the same to the bit.
     """
     if native_problem() is None:
         given = {

@@ -109,21 +109,10 @@ class Wire(NamedTuple):
 
 @dataclass(frozen=True)
 class Model:
-    """A model: its components, variables and wires.
+    """A model: its file, the FMUs in it, their variables by name, and the connections.
 
-    Attributes
-    ----------
-    path, content
-        The file and its bytes.
-    components, variables, wires
-        Its FMUs, their variables by name, and the connections.
-    bound
-        Values that the SSP file gives, by name of the variable.
-    units
-        Units that its FMUs define, by name.
-    experiment
-        Start, stop and step of its default experiment [s], where it has them, by the names that a
-        plan gives them.
+    `bound` are values that the SSP file gives, by variable, `units` those that its FMUs define;
+    `experiment` has start, stop and step of its default experiment [s], named as in a plan.
     """
 
     path: Path
@@ -213,16 +202,8 @@ _Change = tuple[float, float, bool]
 class _System:
     """What an SSP file says, or stands for an FMU alone.
 
-    Attributes
-    ----------
-    components
-        Path of the FMU in the archive by name of the component, in order of the file.
-    connections
-        Pairs of connectors, in any order, and the change from the one that drives to the other.
-    values
-        Values of variables by name, as component.variable, with their units.
-    experiment
-        Times of the default experiment [s], as a plan calls them.
+    The path of an FMU in the archive by name of its component; pairs of connectors, in any order,
+    and the change from the one that drives to the other; values of variables with their units.
     """
 
     components: dict[str, str]

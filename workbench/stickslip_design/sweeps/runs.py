@@ -40,28 +40,13 @@ FAILURE: Final = "failure"
 
 @dataclass(frozen=True)
 class Sweep:
-    """The runs of a sweep, as `chunks.run` takes them.
+    """The runs of a sweep, as `chunks.run` takes them; of the model's variables those in use.
 
-    Attributes
-    ----------
-    model
-        The FMUs, and of their variables those that are set, read or connected.
-    fixed
-        Values that all runs have, by name, in the FMU's units.
-    swept, values, on_grid
-        Names of the variables that each run sets, and their values: columns of points, or axes of a
-        grid, whose points are all combinations of them, the last one running fastest.
-    tables
-        Inputs from files, by name: a value for each communication step, set before it.
-    times, steps, settled
-        Communication points [s], shape (steps + 1,), and communication steps [s], shape (steps,);
-        index of the first communication point that reductions see.
-    outputs
-        Names of reductions by variable.
-    time_limit
-        Seconds that a run may take.
-    identity
-        All that the results depend on.
+    All runs have the values `fixed`, in the FMU's units. Each sets the variables `swept` to values:
+    columns of points, or axes of a grid, the last one running fastest. `tables` are inputs from
+    files: a value for each communication step, set before it. Communication points `times` [s] are
+    of shape (steps + 1,); reductions, by variable in `outputs`, see them from `settled` on. A run
+    may take the `time_limit` [s].
     """
 
     model: Model
