@@ -33,7 +33,7 @@ from typing import Final, TypeAlias, TypedDict
 
 from stickslip_verification.drive.processes import discard_prints, fast_context, jobs_here
 
-from ..datasets import ExtraMissingError, digest_of, need
+from ..datasets import digest_of, need
 from .store import (
     STUDY,
     Chunk,
@@ -129,13 +129,10 @@ def _begin(life: Connection) -> None:
 def cluster_of(address: str) -> Iterator[Workers]:
     """Give the workers of a dask scheduler; it gives the chunk of a dead one to another.
 
-    At the end of the block, no chunk is asked of them. `StudyError` if the extra `cluster` is not
-    installed, or no scheduler answers within 10 s.
+    At the end of the block, no chunk is asked of them. `StudyError` if no scheduler answers within
+    10 s, `ExtraMissingError` without the extra `cluster`.
     """
-    try:
-        distributed = need("distributed", "cluster")
-    except ExtraMissingError as error:
-        raise StudyError(f"--cluster: {error}") from error
+    distributed = need("distributed", "cluster")
     with ExitStack() as stack:
         # A lost connection is told as an error, in one line.
         for handler in logging.getLogger("distributed").handlers:

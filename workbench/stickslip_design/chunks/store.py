@@ -3,8 +3,8 @@
 A store is a folder or an address of fsspec. Its manifest says which study it holds: JSON of its
 inputs, the versions it is made with, and its points. A worker computes a chunk, writes its file,
 and answers in a few bytes. A chunk file is the SHA-256 of the rest, which tells whether it is
-whole, and arrays in NumPy's format (.npy): a JSON text (the study's key, the chunk, the names of
-the columns), then the columns.
+whole, a line of JSON (the study's key, the chunk, the names of the columns), and the columns in
+NumPy's format (.npy).
 """
 
 from __future__ import annotations
@@ -32,6 +32,7 @@ from uuid import uuid4
 
 import numpy as np
 from fsspec.core import url_to_fs
+from numpy.lib import format as npy
 from numpy.typing import NDArray
 
 from ..datasets import digest_of, versions
@@ -206,9 +207,9 @@ def packed(chunk: Chunk, key: str, columns: Columns) -> bytes:
                 f"{chunk.points} numbers or texts are due"
             )
     body = BytesIO()
-    head = json.dumps([key, chunk, list(columns)]).encode()
-    for array in (np.array(head), *columns.values()):
-        np.save(body, array)
+    body.write(json.dumps([key, chunk, list(columns)]).encode() + b"\n")
+    for column in columns.values():
+        npy.write_array(body, column, allow_pickle=False)
     return sha256(body.getbuffer()).digest() + body.getbuffer()
 
 
@@ -218,9 +219,9 @@ def unpacked(content: bytes, chunk: Chunk, key: str) -> Columns | None:
     if content[:_DIGEST] != sha256(body).digest():
         return None
     stream = BytesIO(body)
-    of, points, names = json.loads(np.load(stream).item())
+    of, points, names = json.loads(stream.readline())
     ours = (of, tuple(points)) == (key, chunk)
-    return {name: np.load(stream) for name in names} if ours else None
+    return {name: npy.read_array(stream) for name in names} if ours else None
 
 
 def failures(columns: Columns) -> int:

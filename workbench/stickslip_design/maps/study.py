@@ -203,8 +203,8 @@ def computed(
         store = zarr.storage.MemoryStore()
         _write(study, compute(study, None), store)
         return read_grid(store)[names].load()
-    target = _inside(folder, FILE)
-    results = compute(study, _inside(folder, _CHUNKS))
+    target = f"{folder}/{FILE}"
+    results = compute(study, f"{folder}/{_CHUNKS}")
     # A local dataset has its name when it is whole.
     local = "://" not in target
     place = f"{target}.part" if local else target
@@ -217,10 +217,6 @@ def computed(
         shutil.rmtree(target, ignore_errors=True)
         os.replace(place, target)  # noqa: PTH105 - both are texts, for addresses
     return read_grid(target)[names]
-
-
-def _inside(folder: Path | str, name: str) -> str:
-    return f"{folder}/{name}" if "://" in str(folder) else str(Path(folder) / name)
 
 
 def _write(study: GridStudy, results: Results, target: Any) -> None:

@@ -78,7 +78,6 @@ def computed(
     if folder is None:
         return _dataset(study, run(study, None).read())
     need("zarr" if study.on_grid else "pyarrow")
-    folder = str(folder if "://" in str(folder) else Path(folder))
     dataset = _dataset(study, run(study, f"{folder}/{CHUNKS}").read())
     target = f"{folder}/{file_of(study)}"
     if study.on_grid:
