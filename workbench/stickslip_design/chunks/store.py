@@ -179,6 +179,10 @@ class Store:
         for name in names:
             self._system.rm_file(f"{self._path}/{name}")
 
+    def remove_parts(self) -> None:
+        """Remove what a process left that was ended while it wrote."""
+        self.remove(name for name in self.names() if name.endswith(".part"))
+
     @contextmanager
     def locked(self) -> Iterator[None]:
         """Keep other processes from the study in a folder; an address of fsspec has no locks."""
@@ -350,12 +354,16 @@ def begun(store: Store, new: Manifest, *, fresh: bool) -> Iterator[None]:
                 f"{store.address} holds results of another study: {changes(old, new)}; --fresh "
                 "throws them away, another folder keeps them"
             )
-        # What a process left that was ended while it wrote.
-        store.remove(name for name in store.names() if name.endswith(".part"))
+        store.remove_parts()
         if old is None or fresh:
             store.remove(chunk.file for chunk in chunks_in(store.names()))
             store.write(MANIFEST, json.dumps(new, indent=2).encode() + b"\n")
-        yield
+        try:
+            yield
+        finally:
+            # What is in its way must not hide why the study ended.
+            with suppress(OSError):
+                store.remove_parts()
 
 
 class Done(NamedTuple):
