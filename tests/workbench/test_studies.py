@@ -70,13 +70,14 @@ def test_an_axis_file_is_mapped_over_its_numbers(command: Command) -> None:
 
 
 @needs("studies")
+@pytest.mark.filterwarnings("default::stickslip_design.points.slips.SlowCoreWarning")
 def test_slowness_without_a_compiler_is_told_once_where_slips_are_followed(
     command: Command, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     from stickslip_design.points import slips
 
     monkeypatch.setattr(slips, "native_problem", lambda: "there is no compiler")
-    monkeypatch.setattr(slips, "_warn_once", lambda: None)
+    slips._warn_once.cache_clear()
     few = ("--over", "v=1..9 mm/s 2", "--over", "k=1..2 kN/m 2", "--no-limit", "--workers", "1")
     answer = command("map", *few, "--law", "stribeck")
     assert answer.code == 0

@@ -7,6 +7,7 @@ import os
 import sys
 import tempfile
 import tomllib
+import warnings
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import Field, dataclass, fields, is_dataclass
 from pathlib import Path
@@ -78,6 +79,10 @@ def command(function: Callable[..., None]) -> Callable[..., None]:
     @functools.wraps(function)
     def run(**given: Any) -> None:
         with _refusals(tuple(given)), _here_on_path(), contextlib.ExitStack() as stack:
+            stack.enter_context(warnings.catch_warnings())
+            warnings.showwarning = lambda message, *_: print(
+                f"stickslip: warning: {message}", file=sys.stderr
+            )
             for name in [name for name, value in given.items() if value == _DASH]:
                 # An argument is a file that is read, maybe twice; an option one that is written.
                 is_read = isinstance(infos[name], ArgumentInfo)

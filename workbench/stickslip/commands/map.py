@@ -2,19 +2,16 @@
 
 import re
 from collections.abc import Mapping
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 from stickslip.commands.expanded import Computing, command
-from stickslip.commands.shared import say
 from stickslip.errors import CommandError
 from stickslip.parameters import Parameters
 
 if TYPE_CHECKING:
     import xarray
-
-    from stickslip_design.chunks import Results
-    from stickslip_design.maps.study import GridStudy
 
 
 @command
@@ -32,7 +29,6 @@ def map(  # noqa: A001 - the name of the command
     from stickslip import studies
     from stickslip.commands.shared import computed
     from stickslip_design.maps.sources import OverError
-    from stickslip_design.points.slips import native_problem
 
     options = {each: "--" + each.replace("_", "-") for each in p.given}
     options |= dict.fromkeys(p.own, "--law-parameter")
@@ -55,12 +51,7 @@ def map(  # noqa: A001 - the name of the command
     folder = output or f"{p.law if axis is None else axis.stem}-map"
     if "://" not in folder and Path(folder).exists() and not Path(folder).is_dir():
         raise CommandError(f"-o {folder}: it is a file; name a folder")
-
-    def compute(study: "GridStudy", place: str | None) -> "Results":
-        if study.source.by_slips and (problem := native_problem()) is not None:
-            say(f"warning: {problem}; the Python block computes, some hundred times slower")
-        return computed(study, place, computing, "Computing the map")
-
+    compute = partial(computed, computing=computing, described="Computing the map")
     try:
         dataset = studies.map(
             over, p, axis=axis, feed=feed, limit=limit, folder=folder, compute=compute

@@ -141,14 +141,12 @@ class Source:
     """What a map computes at points: `columns`, by `at`, which takes arrays by dimension.
 
     The arrays broadcast, and so do the columns. About `most` points are computed in one call, and
-    the parameter `fastest`, if the map is over it, changes from point to point. `by_slips`: slips
-    are followed, which is slow without a C compiler. `point` has the values [SI] of the block or
-    axis itself; the results depend on `identity`, JSON, beside the grid.
+    the parameter `fastest`, if the map is over it, changes from point to point. `point` has the
+    values [SI] of the block or axis itself; the results depend on `identity` beside the grid.
     """
 
     title: str
     fastest: str
-    by_slips: bool
     most: int
     columns: Mapping[str, Column]
     identity: Mapping[str, Any]
@@ -186,7 +184,6 @@ def block_source(
         title=f"Block, friction law {law}" + (f"; {', '.join(shown)}" if shown else ""),
         # The critical velocity does not depend on it.
         fastest="v",
-        by_slips=not closed,
         most=_CLOSED if closed else _FOLLOWED,
         columns={name: each for name, each in BLOCK.items() if limit or name != "v_c"},
         identity={"law": law, "values": held, "limit": limit},
@@ -244,7 +241,6 @@ def axis_source(file: AxisFile, over: Sequence[Dimension], feed: float | None) -
         title=f"{name}{at}",
         # One axis answers for all feeds.
         fastest=FEED,
-        by_slips=False,
         most=_CLOSED if closed else max(_AXES, feeds),
         columns={n: each for n, each in AXIS.items() if feed or feeds or n in WITHOUT_FEED},
         identity={"axis": file.identity, "feed": feed},

@@ -14,21 +14,23 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from difflib import get_close_matches
 from fractions import Fraction
+from functools import partial
 from io import BytesIO
 from pathlib import Path
 from typing import Final, NamedTuple
 from xml.etree.ElementTree import Element, fromstring
 
-from stickslip_units import Conversion, QuantityError, Unit, between, typed_in
+from stickslip_units import (
+    BETWEEN,
+    Conversion,
+    QuantityError,
+    Unit,
+    between,
+    parse_range,
+    typed_in,
+)  # fmt: skip
 from stickslip_verification import FmuError
-from stickslip_verification.drive import description as names
-from stickslip_verification.drive.description import (
-    NUMBERS,
-    Description,
-    check_size,
-    one_line,
-    unpack,
-)
+from stickslip_verification.drive import description as fmu
 from stickslip_verification.drive.instance import FLOATING
 
 from ..chunks import StudyError
@@ -52,7 +54,7 @@ _AT_START: Final = frozenset({"exact", "approx"})
 
 
 @dataclass(frozen=True)
-class Variable(names.Variable):
+class Variable(fmu.Variable):
     """A variable of the model, `name`, with the numbers that the FMU of a component has.
 
     Texts are empty where it declares nothing. An `obstacle` says why it is no number that can be
@@ -94,7 +96,7 @@ class Component:
     fmi_version: str
     token: str
     model_identifier: str
-    variables: Mapping[str, names.Variable] = field(default_factory=dict)
+    variables: Mapping[str, fmu.Variable] = field(default_factory=dict)
     folder: Path = Path()
 
 
@@ -129,20 +131,26 @@ class Model:
         variable = self.variables.get(name)
         if variable is None:
             near = nearest(name, [*self.variables])
-            raise QuantityError(f"is no variable of {self.path.name}; {near}")
+            raise QuantityError(f"{name} is no variable of {self.path.name}; {near}")
         if variable.obstacle:
-            raise QuantityError(variable.obstacle)
+            raise QuantityError(f"{name} {variable.obstacle}")
         if to_set and not variable.starts:
-            raise QuantityError(f"is a {variable.sort}, and cannot be set")
+            raise QuantityError(f"{name} is a {variable.sort}, and cannot be set")
         return variable
 
-    def number(self, value: object, variable: Variable) -> float:
-        """Return a value of a variable in its unit; a `QuantityError` if it is none."""
-        if isinstance(value, str):
-            return typed_in(value, variable.unit, self.units)
-        if isinstance(value, float | int) and math.isfinite(value):
-            return float(value)
-        raise QuantityError("is no finite number")
+    def numbers(self, written: object, variable: Variable) -> list[float]:
+        """Return a value, or those of a range, in the variable's unit; `QuantityError` for none."""
+        read = partial(typed_in, known=self.units)
+        try:
+            if isinstance(written, str):
+                if BETWEEN in written:
+                    return [*map(float, parse_range(written, variable.unit, read=read).values())]
+                return [read(written, variable.unit)]
+            if isinstance(written, float | int) and math.isfinite(written):
+                return [float(written)]
+            raise QuantityError("is no finite number")
+        except QuantityError as error:
+            raise QuantityError(f"{variable.name} = {written!r} {error}") from None
 
 
 def read_model(path: Path | str) -> Model:
@@ -154,14 +162,14 @@ def read_model(path: Path | str) -> Model:
     with tempfile.TemporaryDirectory(prefix="stickslip-") as folder:
         try:
             if path.suffix.lower() != ".ssp":
-                alone = Description(path)
+                alone = fmu.Description(path)
                 times = {name: float(text) for name, text in alone.experiment.items()}
                 return _model(path, _System({path.name: ""}, experiment=times), [alone])
             system = _read_ssp(path)
-            check_size(path)
-            unpack(path, Path(folder))
+            fmu.check_size(path)
+            fmu.unpack(path, Path(folder))
             files = [Path(folder, source) for source in system.components.values()]
-            return _model(path, system, [Description(file) for file in files])
+            return _model(path, system, [fmu.Description(file) for file in files])
         except OSError as error:
             raise SweepError(f"{path}: cannot be read: {error.strerror or error}") from None
         except (FmuError, QuantityError) as error:
@@ -175,9 +183,9 @@ def unpack_model(model: Model, folder: Path) -> list[Path]:
     archive.write_bytes(model.content)
     places = [folder / str(number) for number in range(len(model.components))]
     if model.components[0].source:
-        unpack(archive, folder / "system")
+        fmu.unpack(archive, folder / "system")
     for component, place in zip(model.components, places, strict=True):
-        unpack(folder / "system" / component.source if component.source else archive, place)
+        fmu.unpack(folder / "system" / component.source if component.source else archive, place)
     return places
 
 
@@ -242,7 +250,7 @@ def _read_ssp(path: Path) -> _System:
         archive = zipfile.ZipFile(BytesIO(content))
         root = fromstring(archive.read(_STRUCTURE))
     except Exception as error:
-        raise QuantityError(f"not an SSP file ({one_line(error)})") from None
+        raise QuantityError(f"not an SSP file ({fmu.one_line(error)})") from None
 
     def add(system: Element, place: str) -> None:
         for element in system.iterfind("ssd:Elements/*", _SPACE):
@@ -294,7 +302,7 @@ def _read_ssp(path: Path) -> _System:
     return found
 
 
-def _model(path: Path, system: _System, descriptions: list[Description]) -> Model:
+def _model(path: Path, system: _System, descriptions: list[fmu.Description]) -> Model:
     components: list[Component] = []
     variables: dict[str, Variable] = {}
     units: dict[str, Unit] = {}
@@ -311,25 +319,16 @@ def _model(path: Path, system: _System, descriptions: list[Description]) -> Mode
         path, path.read_bytes(), tuple(components), variables, (), bound, units, system.experiment
     )
     for name, text in system.values.items():
-        try:
-            bound[name] = model.number(text, model.variable(name, to_set=True))
-        except QuantityError as error:
-            raise QuantityError(f"gives {name} the value {text}: it {error}") from None
+        (bound[name],) = model.numbers(text, model.variable(name, to_set=True))
     return replace(model, wires=tuple(_wires(model, system)))
 
 
 def _wires(model: Model, system: _System) -> Iterator[Wire]:
-    def found(node: _Node) -> Variable:
-        try:
-            return model.variable(".".join(node))
-        except QuantityError as error:
-            raise QuantityError(f"connects {'.'.join(node)}, which {error}") from None
-
     for node in dict.fromkeys(node for each in system.connections for node in each[:2]):
         if node[0] not in system.components:
             continue
-        target = found(node)
-        met = [(found(other), change) for other, change in system.drivers(node)]
+        target = model.variable(".".join(node))
+        met = [(model.variable(".".join(node)), change) for node, change in system.drivers(node)]
         sources = [(source, of) for source, of in met if source.causality != "input"]
         if target.causality != "input":
             if met and len(sources) == len(met):
@@ -346,10 +345,10 @@ def _wires(model: Model, system: _System) -> Iterator[Wire]:
             yield Wire(source.name, target.name, *change)
 
 
-def _variables(component: int, before: str, description: Description) -> Iterator[Variable]:
+def _variables(component: int, before: str, description: fmu.Description) -> Iterator[Variable]:
     for declared in description.declared.values():
         obstacle = "is an array" if declared.dimensions else ""
-        if declared.type not in NUMBERS:
+        if declared.type not in fmu.NUMBERS:
             obstacle = f"is of type {declared.type}, and no number"
         yield Variable(
             name=f"{before}{declared.name}",
@@ -367,6 +366,6 @@ def _variables(component: int, before: str, description: Description) -> Iterato
             # A structural parameter is set in a mode of its own.
             starts=declared.variability != "constant"
             and declared.causality != "structuralParameter"
-            and (declared.causality in names.SETTABLE or declared.initial in _AT_START),
+            and (declared.causality in fmu.SETTABLE or declared.initial in _AT_START),
             start_text=declared.start or "",
         )

@@ -31,7 +31,6 @@ import re
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager, suppress
 from dataclasses import asdict, replace
-from functools import partial
 from hashlib import sha256
 from pathlib import Path
 from typing import Annotated, Any, Final, TypeAlias
@@ -41,7 +40,7 @@ from numpy.typing import NDArray
 from pydantic import AfterValidator, BeforeValidator, Field
 from pydantic.dataclasses import dataclass
 
-from stickslip_units import BETWEEN, QuantityError, in_unit, parse_range, typed, typed_in
+from stickslip_units import QuantityError, in_unit, typed
 from stickslip_verification.model.data_file import WRITTEN, DataError, DataFile, Written
 
 from ..curve_file import csv_lines
@@ -172,11 +171,14 @@ class PlanFile(DataFile):
                     if table == "inputs" and _is_file(written):
                         files[name] = written
                         continue
-                    values = self._values(variable, written)
-                if isinstance(written, list) or values.size > 1:
-                    axes[name] = values
+                    listed = written if isinstance(written, list) else [written]
+                    values = [one for each in listed for one in model.numbers(each, variable)]
+                    if not values:
+                        raise QuantityError("has no values")
+                if isinstance(written, list) or len(values) > 1:
+                    axes[name] = np.array(values)
                 else:
-                    fixed[name] = float(values[0])
+                    fixed[name] = values[0]
         if says.points:
             with self._at("points"):
                 if axes:
@@ -225,37 +227,19 @@ class PlanFile(DataFile):
         variable = self._model.variable(name, to_set=True)
         if in_run and not variable.changes:
             raise QuantityError(
-                f"is a {variable.sort}, and cannot be set during a run; it goes below [parameters]"
+                f"{name} is a {variable.sort}, and cannot be set during a run; see [parameters]"
             )
         for wire in self._model.wires:
             if wire.input == name:
-                raise QuantityError(f"is driven by {wire.output}, and cannot be set")
+                raise QuantityError(f"{name} is driven by {wire.output}, and cannot be set")
         return variable
-
-    def _values(self, variable: Variable, written: Any) -> Floats:
-        values: list[float] = []
-        for value in written if isinstance(written, list) else [written]:
-            try:
-                if isinstance(value, str) and BETWEEN in value:
-                    read = partial(typed_in, known=self._model.units)
-                    values += parse_range(value, variable.unit, read=read).values().tolist()
-                else:
-                    values.append(self._model.number(value, variable))
-            except QuantityError as error:
-                raise QuantityError(f"{value!r} {error}") from None
-        if not values:
-            raise QuantityError("has no values")
-        return np.array(values)
 
     def _points(self) -> dict[str, Floats]:
         columns, points = self._columns(self._says.points), {}
         for name in columns:
             if name in {**self._says.parameters, **self._says.inputs}:
                 raise QuantityError(f"{self._says.points!r} has {name}, and so has the plan")
-            try:
-                points[name] = self._converted(columns, name, self._to_set(name).unit)
-            except QuantityError as error:
-                raise QuantityError(f"{self._says.points!r}: {name} {error}") from None
+            points[name] = self._converted(columns, name, self._to_set(name).unit)
         return points
 
     def _converted(self, columns: _Columns, name: str, unit: str) -> Floats:
@@ -263,7 +247,10 @@ class PlanFile(DataFile):
         (numbers, stated), known = columns[name], self._model.units
         if stated in ("", unit):
             return numbers
-        return np.array([in_unit(repr(value), stated, unit, known) for value in numbers.tolist()])
+        try:
+            return np.array([in_unit(repr(one), stated, unit, known) for one in numbers.tolist()])
+        except QuantityError as error:
+            raise QuantityError(f"{name} {error}") from None
 
     def _over_time(self, name: str, columns: _Columns, times: Floats) -> Floats:
         """Return the values of an input at times [s]."""

@@ -6,7 +6,7 @@ import json
 from collections.abc import Callable, Mapping
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Final, Unpack
+from typing import TYPE_CHECKING, Any, Unpack
 
 from ..chunks import Columns, Computing, Results, run
 from ..datasets import need, provenance, write_points
@@ -17,10 +17,6 @@ from .runs import FAILURE, Sweep
 
 if TYPE_CHECKING:
     import xarray
-
-CHUNKS: Final = "chunks"
-"""Name of the folder of the chunk files in that of the sweep."""
-POINT: Final = "point"
 
 
 def prepare(model: Model | Path | str, plan: Path | str | Mapping[str, Any]) -> Sweep:
@@ -78,7 +74,7 @@ def computed(
     if folder is None:
         return _dataset(study, run(study, None).read())
     need("zarr" if study.on_grid else "pyarrow")
-    dataset = _dataset(study, run(study, f"{folder}/{CHUNKS}").read())
+    dataset = _dataset(study, run(study, f"{folder}/chunks").read())
     target = f"{folder}/{file_of(study)}"
     if study.on_grid:
         dataset.to_zarr(target, mode="w", consolidated=False)
@@ -103,13 +99,13 @@ def _dataset(study: Sweep, columns: Columns) -> xarray.Dataset:
     coordinates = {}
     for name, values in zip(study.swept, study.values, strict=True):
         meant = {"units": variables[name].unit, "long_name": variables[name].description or name}
-        coordinates[name] = (name if study.on_grid else POINT, values, meant)
+        coordinates[name] = (name if study.on_grid else "point", values, meant)
     fixed = {
         name: f"{value!r} {variables[name].unit}".strip() for name, value in study.fixed.items()
     }
     # Texts of any length have a specification in zarr.
     columns = {**columns, FAILURE: columns[FAILURE].astype(object)}
-    dims = study.swept if study.on_grid else (POINT,)
+    dims = study.swept if study.on_grid else ("point",)
     dataset: xarray.Dataset = need("xarray").Dataset(
         {name: (dims, columns[name].reshape(study.shape), about[name]) for name in columns},
         coords=coordinates,
