@@ -11,7 +11,7 @@ import pytest
 from stickslip_design.chunks import Columns
 from stickslip_design.sweeps import runs
 from stickslip_design.sweeps.model import unpack_model
-from stickslip_design.sweeps.reductions import REDUCTIONS, Floats
+from stickslip_design.sweeps.runs import REDUCTIONS, Floats
 from stickslip_design.sweeps.study import prepare, sweep
 from stickslip_ref import Parameters, steady_cycle
 from tests.conftest import built

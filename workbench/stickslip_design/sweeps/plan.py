@@ -46,8 +46,7 @@ from stickslip_verification.model.data_file import WRITTEN, DataError, DataFile,
 from ..curve_file import csv_lines
 from ..datasets import need
 from .model import Model, SweepError, Variable, nearest
-from .reductions import REDUCTIONS, column_of, reduces
-from .runs import FAILURE, Sweep
+from .runs import FAILURE, REDUCTIONS, Sweep, column_of, reduces
 
 MOST_STEPS: Final = 100_000_000
 """Communication steps of a run."""

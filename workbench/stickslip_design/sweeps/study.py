@@ -12,8 +12,7 @@ from ..chunks import Columns, Computing, Results, run
 from ..datasets import need, provenance, write_points
 from .model import Model, read_model
 from .plan import PlanFile
-from .reductions import REDUCTIONS
-from .runs import FAILURE, Sweep
+from .runs import FAILURE, REDUCTIONS, Sweep
 
 if TYPE_CHECKING:
     import xarray
