@@ -40,18 +40,11 @@ def axis_points(
 ) -> dict[str, NDArray[Any]]:
     """Return the critical feed of many variants of an axis, and what each does at some feeds.
 
-    Parameters
-    ----------
-    file
-        The axis file.
-    changes
-        Arrays of shape (n,) by the name of a number in the file, ``axis.mass``, in the SI unit in
-        which the file states it. What else the file states is held, zeta and forces too.
-    feeds
-        Feeds [m/s] > 0 at which each is judged. Without any: the critical feed alone.
-    regimes_only
-        Whether the regimes alone are asked for, which takes a tenth of the time: jump and rate are
-        then NaN, and without closed forms the critical feed.
+    `changes` are arrays of shape (n,) by the name of a number in the file, ``axis.mass``, in the SI
+    unit in which the file states it; what else the file states is held, zeta and forces too. Feeds
+    [m/s] are above 0. With `regimes_only`, which takes a tenth of the time, jump and rate are NaN,
+    and without closed forms the critical feed. The results of a point depend on its own numbers
+    alone. A closed form takes 1 us a point, another friction law or a loop 0.02 to 1 s.
 
     Returns
     -------
@@ -65,16 +58,9 @@ def axis_points(
 
     Raises
     ------
-    AxisError
-        If the file has no such number, a value is out of the range of its key, or values do not go
-        together.
-    ValueError
-        If a feed is not above 0, or lengths differ.
-
-    Notes
-    -----
-    The results of a point depend on its own numbers alone. A closed form takes 1 us a point,
-    another friction law or a loop 0.02 to 1 s.
+    AxisError, ValueError
+        If the file has no such number, or values are out of range or do not go together; if a feed
+        is not above 0, or lengths differ.
     """
     if not all(0.0 < feed < math.inf for feed in feeds):
         raise ValueError("a feed is a finite speed above 0")

@@ -46,35 +46,24 @@ def table_of_law(law: str) -> Table:
 def block_points(
     values: Values, law: str = COULOMB_NAME, *, limit: bool = True
 ) -> dict[str, NDArray[Any]]:
-    """Return the steady motion of many blocks.
+    """Return the steady motion of many blocks under a built-in friction law.
 
-    Parameters
-    ----------
-    values
-        Parameters and inputs of the block by name [SI]: numbers, and arrays that broadcast. What is
-        not named has its start value; `WITHOUT_INFLUENCE` are not looked at.
-    law
-        Name of a built-in friction law.
-    limit
-        Whether the critical velocity is among the columns: see `critical_speeds` for its cost.
+    `values` are parameters and inputs of the block by name [SI]: numbers, and arrays that
+    broadcast. What is not named has its start value; `WITHOUT_INFLUENCE` are not looked at. With
+    `limit` the critical velocity is among the columns; `critical_speeds` says what it costs.
 
     Returns
     -------
     dict
-        `columns.BLOCK` by name, of the common shape of the arrays, read-only, ``v_c`` only with
-        `limit`. ``regime`` (int8) is a `Regime`, ``at_limit`` a bool. Where the mass never sticks
-        ``delta_x`` and ``stick_share`` are 0, and what has no value is NaN: also where, with
-        friction that grows at rest, the mass sticks and the sticks do not settle to one length.
+        `columns.BLOCK` by name, of the common shape of the arrays, read-only. ``regime`` (int8) is
+        a `Regime`, ``at_limit`` a bool. Where the mass never sticks ``delta_x`` and ``stick_share``
+        are 0, and what has no value is NaN: also where, with friction that grows at rest, the mass
+        sticks and the sticks do not settle to one length.
 
     Raises
     ------
     ValueError
         If a name is unknown or a value out of range, alone or together with others.
-
-    Warns
-    -----
-    SlowCoreWarning
-        If the exact block is needed and there is no C compiler.
     """
     given = _checked(values, law)
     shape = np.broadcast_shapes(*(np.shape(each) for each in values.values()))
