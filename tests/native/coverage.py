@@ -22,7 +22,7 @@ from tests.native.bits import comparisons
 from tests.native.compiling import run, with_library, written
 from tests.native.core import Core, sources
 from tests.native.eventful import differences
-from tests.native.test_native_model_exchange import of_random_settings
+from tests.native.test_native_model_exchange import of_random_settings, retuned
 
 LEAST = 95.0
 """Part of the lines and of the branches of block and friction law that must be run [%]."""
@@ -88,6 +88,7 @@ def try_events(folder: Path, law: str) -> None:
     for seed in range(EVENTFUL):
         differences(str(fmu), seed)
         of_random_settings(fmu, seed)
+    retuned(fmu, 1000.0, 2000.0, 1000.0)
     loaded(fmu).library.write_counters()
 
 

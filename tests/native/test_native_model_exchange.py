@@ -8,6 +8,7 @@ from typing import Any
 import fmpy
 import numpy as np
 import pytest
+from fmpy.simulation import instantiate_fmu
 
 from stickslip_ref import Parameters, critical_velocity
 from tests.conftest import Sized, built
@@ -60,8 +61,14 @@ def of_random_settings(fmu: Path, seed: int) -> tuple[Any, Any]:
     start |= {"mu_s": chance.uniform(0.3, 0.6), "mu_k": chance.uniform(0.05, 0.3)}
     start["z_start"] = chance.choice([0.0, 0.0, 0.01, -0.01, 0.03])
     start["x_dot_start"] = chance.choice([0.0, 0.0, 0.0, 0.05, -0.05])
+    if any(each.name == "shape" for each in opened(fmu)[1].modelVariables):
+        start["shape"] = chance.choice([1, 2, 3])
+        if start["shape"] == 3:
+            start |= {"mu_1": 0.9 * start["mu_s"], "u_2": 0.05, "mu_2": 0.1}
+    else:
+        start["B"] = chance.choice([0.0, 0.05])
     times = sorted(round(chance.uniform(0.2, 3.8), 2) for _ in range(chance.choice([0, 1, 3])))
-    held = [(chance.uniform(0.005, 0.2), 0.0, 0.0)]
+    held = [(chance.choice([0.0, chance.uniform(0.005, 0.2)]), 0.0, 0.0)]
     held += [(chance.uniform(-0.05, 0.2), chance.uniform(-1, 4), 0.5) for _ in times]
     points = [(t, *held[n + i]) for n, t in enumerate(times) for i in (0, 1)]
     signals = np.array([(0.0, *held[0]), *points, (9.0, *held[-1])], INPUTS)
@@ -75,7 +82,38 @@ def test_a_solver_finds_the_motion_of_random_settings(law: str, sized: Sized) ->
         stepped, solved = of_random_settings(built("native-3", law), seed)
         assert solved["n_slips"].tolist() == stepped["n_slips"].tolist(), seed
         scale = np.abs(stepped["x"]).max() + np.abs(stepped["z"]).max()
-        assert np.abs(solved["x"] - stepped["x"]).max() < 2e-6 * scale, seed
+        assert np.abs(solved["x"] - stepped["x"]).max() <= 2e-6 * scale, seed
+
+
+def retuned(fmu: Path, *stiffnesses: float) -> list[tuple[Any, ...]]:
+    """Return mode, n_slips, F and W_k after k took each of these values in event mode, at rest."""
+    folder, description = opened(fmu)
+    number = {each.name: each.valueReference for each in description.modelVariables}
+    instance = instantiate_fmu(folder, description, fmi_type="ModelExchange")
+    instance.setFloat64([number["z_start"]], [0.0045])
+    instance.enterInitializationMode()
+    instance.exitInitializationMode()
+    shown = []
+    for k in stiffnesses:
+        instance.setFloat64([number["k"]], [k])
+        instance.updateDiscreteStates()
+        instance.enterContinuousTimeMode()
+        values = instance.getFloat64([number["F"], number["W_k"]])
+        mode = instance.getInt64([number["mode"]])
+        shown.append((*mode, *instance.getInt32([number["n_slips"]]), *values))
+        instance.enterEventMode()
+    instance.terminate()
+    instance.freeInstance()
+    return shown
+
+
+def test_a_spring_that_is_made_stiffer_and_softer_in_event_mode_stores_what_it_was_given() -> None:
+    one, two, three = retuned(built("native-3"), 1000.0, 2000.0, 1000.0)
+    work = 0.5 * 1000.0 * 0.0045**2
+    assert one == (0, 0, pytest.approx(4.5), 0.0)
+    assert two == (1, 0, pytest.approx(9.0), pytest.approx(work))
+    # A slip of no length has not begun.
+    assert three == (0, 0, pytest.approx(4.5), pytest.approx(0.0, abs=1e-18))
 
 
 @pytest.mark.parametrize("law", LAWS)

@@ -223,7 +223,6 @@ enum refusal continuous_update(struct continuous *it, struct block *block)
         /* A slip of no length has not begun, so the rest test decides anew whether it does. */
         refused = begin_arc(it, block, 0, block->started ? 0.0 : block->friction.age_start);
         if (!block->started && block->mode != 0) meter_break_away(&block->meter, time);
-        if (block->started && block->mode == 0) meter_end_slip(&block->meter, time);
     } else if (mode * x_dot <= -0.5 * below ||
                (told && SMALL * fabs(x_dot) <= TOLD * nominals[STATE_X_DOT])) {
         pass(it, block);
