@@ -61,6 +61,14 @@ def test_a_run_that_goes_wrong_costs_itself_alone(troubled: Path) -> None:
     assert "discarded" in reasons[7]
 
 
+def test_no_folder_is_left_of_fmus_whose_last_run_crashed(
+    troubled: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("tempfile.tempdir", str(tmp_path))
+    assert results(troubled, planned(parameters={"trouble": [0, 2]}))["failure"][1]
+    assert not list(tmp_path.glob("stickslip-fmu-*"))
+
+
 def test_results_do_not_depend_on_chunks_and_a_crash_left_behind_is_no_failure(
     troubled: Path,
 ) -> None:

@@ -17,8 +17,10 @@ from __future__ import annotations
 import contextlib
 import math
 import multiprocessing
+import shutil
 import signal
 import sys
+import weakref
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -228,6 +230,7 @@ class Host:
     def __init__(self, study: Sweep) -> None:
         try:
             folder = new_folder()
+            weakref.finalize(self, shutil.rmtree, folder, ignore_errors=True)
             folders = unpack_model(study.model, folder)
         except FmuError as error:
             raise SweepError(str(error)) from None
