@@ -65,7 +65,6 @@ class Exact:
         return self.N * (gap + self.B * MP.log1p(age / self.t_0))
 
     def growing(self, age: Real) -> Real:
-        """Return the rate of the growth [N/s]."""
         rate = MP.exp(-age / self.tau_s) / self.tau_s if self.tau_s else 0
         return self.N * ((self.mu_s - self.mu_k) * rate + self.B / (self.t_0 + age))
 
@@ -148,7 +147,6 @@ class Slip(NamedTuple):
     peak: Real
 
     def heat(self, p: Exact, z: Real, x_dot: Real = 0) -> Real:
-        """Return the heat since the state (z, x_dot), by the energy."""
         stored = p.k * (self.z**2 - z**2) + p.m * (self.x_dot**2 - MP.mpf(x_dot) ** 2)
         return self.W_pull + p.F_ext * self.x - stored / 2
 

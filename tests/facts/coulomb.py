@@ -25,7 +25,6 @@ def _first(values: Mapping[str, float], cycles: float) -> float:
 
 
 def of_lambda(lambda_: float, **values: float) -> dict[str, float]:
-    """Return a setting with this lambda, by the pulling speed."""
     p = Exact({**values, "v": 1.0})
     return {**values, "v": float(p.lambda_) / lambda_}
 
@@ -51,7 +50,6 @@ def _cycle(statement: str, values: Mapping[str, float], edge: float = 1.0) -> Fa
 
 
 def damped(zeta: float, d: float, **values: float) -> dict[str, float]:
-    """Return a setting with lambda = lambda_c (1 + d)."""
     base = {**BINARY, "c": 64.0 * zeta, **values}
     p = Exact(base)
     return of_lambda(float(critical_lambda(p.zeta) * (1 + d)), **base)
@@ -86,7 +84,6 @@ CYCLES = [
 
 
 def _then(p: Exact, z: Real, x_dot: Real = 0, direction: int = 1, **more: Real) -> dict[str, Real]:
-    """Return what the meter shows of a slip that has ended."""
     done = slip(p, z, x_dot, direction)
     return {
         "t_slip": done.t,

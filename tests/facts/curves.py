@@ -60,7 +60,6 @@ def _from(p: Exact, points: Points, until: float) -> dict[str, Real]:
 def _motion(
     name: str, points: Points, until: float, values: Mapping[str, float], **more: Any
 ) -> Fact:
-    """Return a motion along a curve, up to a time, as a fact."""
     return Fact(
         f"a motion along a curve is the exact one: {name}",
         {**values, **curve(points)},

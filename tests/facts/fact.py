@@ -47,7 +47,6 @@ class Fact:
     start_time: float = 0.0
 
     def tolerance(self, side: Side, name: str) -> float:
-        """Return the relative error that an output of a side may have."""
         factors = [self.factor, *([self.integrated] if side.integrates else [])]
         tolerance = side.accuracy
         for each in factors:

@@ -42,7 +42,6 @@ def _cycles(p: Exact, count: int) -> list[tuple[Real, Real, Slip]]:
 
 
 def _later(p: Exact) -> dict[str, Real]:
-    """Return what the meter shows in the third slip of a motion that began relaxed."""
     _, (_, hold, done), (stick, *_) = _cycles(p, 3)
     sign = MP.sign(p.v)
     return {
@@ -75,7 +74,6 @@ def _cycle(name: str) -> Fact:
 
 
 def _after_stick(p: Exact, length: float) -> dict[str, Real]:
-    """Return the first stick and the young slip after it, a time after the start [s]."""
     sign = MP.sign(p.v)
     ahead = p.but(v=abs(float(p.v)), F_ext=float(sign * p.F_ext))
     stick = p.stick(sign * (p.k * p.z_start + p.F_ext), p.age_start)
@@ -90,7 +88,6 @@ def _after_stick(p: Exact, length: float) -> dict[str, Real]:
 
 
 def _first(name: str, cuts: int, **values: float) -> Fact:
-    """Return the first stick, whatever its age and the push, cut into steps, as a fact."""
     p = Exact(values)
     sign = MP.sign(p.v)
     stick = p.stick(sign * (p.k * p.z_start + p.F_ext), p.age_start)
@@ -110,7 +107,6 @@ def _first(name: str, cuts: int, **values: float) -> Fact:
 
 
 def _held(values: Mapping[str, float], *ages: tuple[float, Mapping[str, float]]) -> list[Expected]:
-    """Return F_s of sticks of these ages under these changes, one after the other."""
     rows: list[Expected] = []
     p = Exact(values)
     for age, changes in ages:

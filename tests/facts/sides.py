@@ -24,8 +24,6 @@ BASE = frozenset(each.name for each in fields(Parameters)) - {"own"}
 
 @dataclass(frozen=True)
 class Setting:
-    """A block, what changes at the beginning of its steps, and its friction law."""
-
     values: Mapping[str, float]
     segments: Sequence[Segment]
     law: str = "coulomb"
@@ -81,7 +79,6 @@ def _native(setting: Setting) -> Sequence[Row]:
 
 
 def parted(values: Mapping[str, float]) -> tuple[dict[str, float], dict[str, float]]:
-    """Return what every law has, and the law's own, of values by name."""
     base = {name: value for name, value in values.items() if name in BASE}
     return base, {name: value for name, value in values.items() if name not in BASE}
 
@@ -132,7 +129,6 @@ QUICK = (BLOCK, NATIVE, REFERENCE)
 
 
 def each_side(sides: Sequence[Side] = SIDES) -> list[Any]:
-    """Return sides as values of a parameter: the native FMU needs a compiler."""
     return [
         pytest.param(side, id=side.name, marks=needs("cc") if side is NATIVE else ())
         for side in sides

@@ -31,7 +31,6 @@ Values = dict[str, float]
 
 
 def oscillator(draw: Random) -> Values:
-    """Draw k 10..1e8 N/m, m 1e-2..1e4 kg, mu_s 0.01..1.5 and the gap 1e-3..1 of mu_s."""
     mu_s, k, m = (log_uniform(draw, *ends) for ends in ((0.01, 1.5), (10.0, 1e8), (1e-2, 1e4)))
     mu_k = mu_s * (1.0 - log_uniform(draw, 1e-3, 1.0))
     return {"k": k, "m": m, "g": 9.81, "mu_s": mu_s, "mu_k": mu_k}
@@ -46,12 +45,10 @@ def gap_of(p: Values) -> float:
 
 
 def pulled(p: Values, v: float) -> Values:
-    """Return the oscillator pulled at a speed, half a stick before it breaks away."""
     return {**p, "v": v, "z_start": 0.5 * (p["mu_s"] + p["mu_k"]) * p["m"] * p["g"] / p["k"]}
 
 
 def undamped(count: int) -> Iterator[tuple[Values, Random]]:
-    """Draw v over all magnitudes, and lambda 1e-3..0.1 in one of six."""
     for n in range(count):
         draw = Random(f"steady {n}")
         p = oscillator(draw)
@@ -79,7 +76,6 @@ def damped(count: int) -> Iterator[tuple[Values, float, Random]]:
 
 
 def distance(p: Values) -> float:
-    """Return lambda/lambda_c - 1 of a point as it is in doubles."""
     with mp.workdps(50):
         k, m, c = mpf(p["k"]), mpf(p["m"]), mpf(p["c"])
         zeta = c / (2 * mp.sqrt(k * m))
@@ -90,7 +86,6 @@ def distance(p: Values) -> float:
 
 
 def watched(side: Side, p: Values, period: float, draw: Random) -> tuple[Row, float]:
-    """Run for some periods, in steps of 1e-3 to 20 of them; return the last outputs, the time."""
     steps: list[float] = []
     while math.fsum(steps) < WATCHED * period:
         steps.append(period * (WATCHED if side is REFERENCE else log_uniform(draw, 1e-3, 20.0)))
@@ -100,7 +95,6 @@ def watched(side: Side, p: Values, period: float, draw: Random) -> tuple[Row, fl
 def assert_cycles(
     row: Row, end: float, exact: Mapping[str, Any], bound: Mapping[str, float], p: Values
 ) -> None:
-    """Every quantity of the cycle, the way of a period, and the number of slips."""
     for name in CYCLE:
         assert abs(float(row[name]) / float(exact[name]) - 1.0) <= bound[name], (name, p)
     assert abs(row["delta_x"] / (p["v"] * row["T"]) - 1.0) <= bound["T"], p

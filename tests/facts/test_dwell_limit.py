@@ -17,7 +17,6 @@ SETTINGS = 200
 
 
 def drawn(draw: Random) -> tuple[dict[str, float], dict[str, float]]:
-    """Draw a damped block, zeta 1e-4 to 0.9, and the growth of its friction: either or both."""
     p = oscillator(draw)
     w, gap = w_of(p), p["mu_s"] - p["mu_k"]
     p["c"] = 2.0 * log_uniform(draw, 1e-4, 0.9) * math.sqrt(p["k"] * p["m"])
@@ -30,7 +29,6 @@ def drawn(draw: Random) -> tuple[dict[str, float], dict[str, float]]:
 
 
 def sticks_on(values: dict[str, float], v: float, begin: Cycle) -> bool:
-    """Tell whether the block goes on sticking, from the stop of a cycle at another speed."""
     stop = float(begin.F_s) / values["k"] - float(begin.spring_drop)
     block = Setting(0, "dwell", "coulomb", {**values, "v": v})
     return seen(block, {"z_start": stop}).kind == "sticks"

@@ -33,7 +33,6 @@ class Case(NamedTuple):
     tolerance: float
 
     def settings(self, seed: str) -> Iterator[tuple[Random, Setting]]:
-        """Draw settings; those of the slow sides are short."""
         for n in range(self.times):
             generator = Random(f"{seed} {n}")
             values, segments = self.draw(generator)

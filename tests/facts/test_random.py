@@ -34,7 +34,6 @@ UNITS = (
 
 
 def drawn(law: str, draw: Draw, generator: Random) -> Setting:
-    """Draw a motion whose inputs, stiffness, damping and friction change, in slip and at rest."""
     values, segments = draw(generator)
     longest = (2.0 if law == "stribeck" else 20.0) * math.sqrt(values["m"] / values["k"])
     for segment in segments[:4]:
@@ -71,7 +70,6 @@ def conditioning(setting: Setting) -> float:
 
 
 def assert_is_the_truth(side: Side, setting: Setting, exact: truth.Run, digits: int) -> None:
-    """Every output after every segment, those that are counts or states to the last digit."""
     rows, samples = side.rows(setting), exact.samples
     near = TOLERANCES[side.name] * conditioning(setting)
     for row, sample in zip(rows, samples, strict=True):

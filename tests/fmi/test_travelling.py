@@ -14,7 +14,6 @@ Write = Callable[[str, str], None]
 
 @pytest.fixture
 def write(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Write:
-    """Return a function that writes a module where this process finds it."""
     monkeypatch.syspath_prepend(tmp_path)
 
     def write(path: str, text: str) -> None:

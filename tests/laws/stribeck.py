@@ -27,7 +27,6 @@ def curve(points: Sequence[Sequence[float]]) -> dict[str, float]:
 
 
 def draw_curve(generator: random.Random) -> tuple[dict[str, float], list[Segment]]:
-    """Draw a block over a curve with slopes up to 3 times the critical damping, and changes."""
     values, segments = draw(generator)
     mu_s, v = values["mu_s"], abs(values["v"])
     w = math.sqrt(values["k"] / values["m"])

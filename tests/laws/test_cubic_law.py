@@ -23,8 +23,6 @@ MU_S, MU_M, V_M = 0.4, 0.25, 0.5
 
 
 class Cubic(Coulomb):
-    """The reference's side."""
-
     constant_in_slip = False
 
     def slip_friction(self, p: Parameters, speed: float, state: object = ()) -> float:

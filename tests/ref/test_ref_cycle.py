@@ -151,7 +151,6 @@ def test_the_slowest_pull_does_not_overflow() -> None:
 
 
 def field(count: int) -> Field:
-    """Return points of every kind, damped and not, pulled either way, at rest or too fast."""
     rng = np.random.default_rng(3)
     k, m = 10.0 ** rng.uniform(1.0, 8.0, count), 10.0 ** rng.uniform(-2.0, 4.0, count)
     mu_s = 10.0 ** rng.uniform(-2.0, 0.17, count)

@@ -21,7 +21,6 @@ SETTINGS = {
 
 
 def sticks(values: dict[str, float], v: float, slips: int = 1) -> bool:
-    """Tell whether the exact block sticks within some slips from break-away at `v` [m/s]."""
     p = Parameters(
         **{name: values[name] for name in ("m", "k", "g", "c", "mu_s") if name in values}
     )

@@ -60,7 +60,6 @@ def exact(p: Parameters, times: Floats) -> Made:
 
 
 def adaptive(p: Parameters, times: Floats, rtol: float) -> Made:
-    """Integrate each slip with adaptive steps to its end, which the solver finds."""
     q = with_defaults(p)
     k, v, N = q["k"], q["v"], q["m"] * q["g"]
     states, begin = np.zeros((2, times.size)), q["mu_s"] * N / k / v
@@ -81,7 +80,6 @@ def adaptive(p: Parameters, times: Floats, rtol: float) -> Made:
 
 
 def stepped(p: Parameters, duration: float, h: float) -> Made:
-    """Step by velocity Verlet; rest and break-away are decided at the ends of steps."""
     q = with_defaults(p)
     k, v, N = q["k"], q["v"], q["m"] * q["g"]
     t: Floats = h * np.arange(round(duration / h) + 1, dtype=np.float64)
@@ -102,7 +100,6 @@ def stepped(p: Parameters, duration: float, h: float) -> Made:
 
 
 def euler_with_the_sign(p: Parameters, duration: float, h: float) -> Made:
-    """Step by semi-implicit Euler with friction by the sign of the velocity, and never at rest."""
     q = with_defaults(p)
     t: Floats = h * np.arange(round(duration / h) + 1, dtype=np.float64)
     x, u = np.zeros(t.size), np.zeros(t.size)
@@ -116,7 +113,6 @@ def euler_with_the_sign(p: Parameters, duration: float, h: float) -> Made:
 
 
 def tanh_friction(p: Parameters, times: Floats, v_reg: float, *, peak: bool) -> Made:
-    """Integrate friction smoothed with tanh(x_dot/v_reg), with the static peak or without it."""
     q = with_defaults(p)
     k, m, v, mu_k, N = q["k"], q["m"], q["v"], q["mu_k"], q["m"] * q["g"]
     rise = (q["mu_s"] - q["mu_k"]) if peak else 0.0

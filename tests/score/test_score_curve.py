@@ -17,7 +17,6 @@ def written(folder: Path, text: str, encoding: str = "utf-8") -> Path:
 
 
 def table(header: str, separator: str = ",", comma: bool = False) -> str:
-    """Give rows of time, position and force under a header."""
     rows = (f"{t:.6g}{separator}{x:.6g}{separator}{F:.6g}" for t, x, F in zip(T, X, F, strict=True))
     lines = [line.replace(".", ",") if comma else line for line in rows]
     return "\n".join([header, *lines]) + "\n"
@@ -71,7 +70,6 @@ def test_a_derivative_of_the_position_is_the_velocity(tmp_path: Path) -> None:
 
 
 def numbers(*columns: str) -> str:
-    """Give eight rows of two columns, their numbers counted up at `#`."""
     separator, t, x = columns
     rows = (f"{t}{separator}{x}".replace("#", str(i)) for i in range(8))
     return "\n".join([f"t{separator}x", *rows]) + "\n"

@@ -55,7 +55,6 @@ class Exact:
     period: float
 
     def noisy(self, noise: Mapping[str, Floats | float], columns: Iterable[str]) -> Curve:
-        """Return columns with noise on them, in parts of the swing."""
         unit = {"x": self.swing, "F": self.swing * self.p["k"]}
         given = {n: getattr(self.made, n) + unit[n] * noise.get(n, 0.0) for n in columns}
         return Curve.of(self.made.t, **given)
@@ -66,7 +65,6 @@ class Exact:
 
 @cache
 def exact_motion(setting: str, step: float) -> Exact:
-    """Give the reference's motion over the first load-up and eight cycles."""
     p = with_defaults(SETTINGS[setting])
     cycle = truth.steady_cycle({**p, "v": abs(p["v"])}, digits=20)
     assert cycle is not None
