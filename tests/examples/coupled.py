@@ -55,7 +55,6 @@ class Motion:
     x_motor: list[float] = field(default_factory=lambda: [0.0])
 
     def off(self, truth: Any) -> float:
-        """Return the largest error of the table's position [m] where the truth has a sample."""
         own, samples = np.array(self.time), np.array(truth.time)
         where = np.minimum(np.searchsorted(own, samples - 1e-9), len(own) - 1)
         both = np.abs(own[where] - samples) < 1e-9
@@ -104,7 +103,6 @@ def last_jump(axis: Axis, limit: float, duration: float, share: float) -> float:
 
 
 def random_axis(seed: int) -> Axis:
-    """Return a random stable axis: numbers up to three times those of the example, or a third."""
     generator = random.Random(seed)
     even, choice = generator.uniform, generator.choice
     while True:

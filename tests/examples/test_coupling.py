@@ -107,7 +107,6 @@ def test_a_drive_that_never_gives_way_leaves_the_steady_cycle() -> None:
 
 
 def damping(x: NDArray[np.float64], w: float) -> float:
-    """Return the damping ratio from the growth of the peaks of an oscillation around 0."""
     peaks = np.flatnonzero((x[1:-1] > x[:-2]) & (x[1:-1] >= x[2:])) + 1
     before, at, after = x[peaks - 1], x[peaks], x[peaks + 1]
     # The peak of the parabola through three points.

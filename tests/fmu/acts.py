@@ -32,7 +32,6 @@ def _went_on(instance: Instance) -> list[dict[str, Any]]:
 
 
 def written(path: str, places: list[tuple[dict[str, float], float]]) -> list[list[Any]]:
-    """Return what is shown after runs with these values to these times, with the state there."""
     found = []
     for values, reached in places:
         instance = loaded(path).started(**values)
@@ -58,7 +57,6 @@ _GARBAGE = (b"", b"{", b"[]", b"null", b"[" * 100_000, b'{"block": 1}', b"\xff")
 
 
 def _places(tree: Any, name: str = "") -> Iterator[tuple[Any, Any, str]]:
-    """Give list or dictionary, key there and last name above of every value in a state."""
     for key in list(tree) if isinstance(tree, dict) else range(len(tree)):
         named = key if isinstance(key, str) else name
         if isinstance(tree[key], (dict, list)):
@@ -105,7 +103,6 @@ class _Mallinfo(c.Structure):
 
 
 def _in_use() -> tuple[int, int]:
-    """Return the blocks of Python's memory in use, and the bytes of the C library's."""
     function = c.CDLL(None).mallinfo2
     function.restype = _Mallinfo
     gc.collect()
@@ -113,7 +110,6 @@ def _in_use() -> tuple[int, int]:
 
 
 def _iterate(instance: Instance) -> None:
-    """Save, step, restore and free, as a master does that iterates over its steps."""
     state = instance.save()
     instance.step(0.01)
     instance.restore(state)
@@ -180,7 +176,6 @@ TURNS: dict[str, Callable[[Instance], None]] = {
 
 
 def lost(path: str, what: str, times: int) -> list[float]:
-    """Return how many blocks of Python's and bytes of C's memory a turn of something loses."""
     with Path(os.devnull).open("w") as nowhere, contextlib.redirect_stderr(nowhere):
         turn, instance = TURNS[what], loaded(path).started(c=0.5)
         # More turns than the FMU keeps freed states, and lists of variables.
@@ -193,7 +188,6 @@ def lost(path: str, what: str, times: int) -> list[float]:
 
 
 def of_versions(paths: list[str]) -> list[list[Any]]:
-    """Return what FMUs show, loaded before and stepped in turns, then a new instance of each."""
     fmus = [loaded(path) for path in paths]
     names = [[name for name in ("x", "z") if name in fmu.references] for fmu in fmus]
     running = [fmu.started() for fmu in fmus]
@@ -211,7 +205,6 @@ def of_versions(paths: list[str]) -> list[list[Any]]:
 
 
 def modules(path: str) -> tuple[list[str], int]:
-    """Return the packages that instances load, and their entries on the search path."""
     before = set(sys.modules)
     fmu = loaded(path)
     for _ in range(3):
@@ -228,7 +221,6 @@ class _Broken:
 
 
 def without_standard_error(path: str) -> list[Any]:
-    """Warn and fail while standard error cannot be written; return what is shown and refused."""
     found = []
     streams: tuple[Any, ...] = (_Broken(), None)
     for stream in streams:

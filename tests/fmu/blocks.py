@@ -24,7 +24,6 @@ def make_block(**values: float) -> Block:
 
 
 def block_of(spec: Spec, values: Mapping[str, float]) -> Block:
-    """Return a block as of a specification, with these values and start values for the others."""
     block = spec.model(spec.values({**spec.table.start_values(), **values}))
     assert isinstance(block, Block)
     return block
@@ -74,7 +73,6 @@ def log_uniform(generator: random.Random, low: float, high: float) -> float:
 
 
 def draw(generator: random.Random) -> tuple[dict[str, float], list[Segment]]:
-    """Draw a block over the whole range of use, and inputs and parameters that change."""
     k = log_uniform(generator, 10.0, 1e8)
     m = log_uniform(generator, 1e-2, 1e4)
     mu_s = log_uniform(generator, 0.01, 1.5)
@@ -110,7 +108,6 @@ def draw(generator: random.Random) -> tuple[dict[str, float], list[Segment]]:
 
 
 def draw_ageing(generator: random.Random) -> tuple[dict[str, float], list[Segment]]:
-    """Draw a block as `draw` does, whose static friction grows in stick in changing ways."""
     values, segments = draw(generator)
     load_up = values["mu_s"] * values["m"] * 9.81 / (values["k"] * abs(values["v"]))
     offered: dict[str, Callable[[], float]] = {

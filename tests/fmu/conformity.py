@@ -21,7 +21,6 @@ def description_of(fmu: Path) -> bytes:
 
 
 def by_schema(fmu: Path) -> list[str]:
-    """Return what breaks the XML schema of the FMI version that the FMU names."""
     document = etree.parse(BytesIO(description_of(fmu)))
     version = document.getroot().get("fmiVersion")[0]
     folder = Path(fmpy.__file__).parent / "schema" / f"fmi{version}"
@@ -35,7 +34,6 @@ def by_fmpy(fmu: Path) -> list[str]:
 
 
 def by_toolbox(fmu: Path) -> list[str]:
-    """Return what `fmutool -check` finds: schema, then meaning."""
     # An extra that only these tests need: without it the others still run.
     from fmu_manipulation_toolbox.checker import get_checkers
     from fmu_manipulation_toolbox.operations import FMU

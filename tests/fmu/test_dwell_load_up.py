@@ -12,7 +12,6 @@ SLOW = {"m": 1e6, "g": 1e-6, "k": 1.0}
 
 
 def drawn(generator: random.Random) -> dict[str, float]:
-    """Draw growth and pull; in half of them near the pull at which the stick vanishes."""
     values = {
         **SLOW,
         "mu_k": 0.5,

@@ -50,7 +50,6 @@ def other_version(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture(scope="module")
 def foreign(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Return an FMU of somebody else, with another version of pythonfmu inside."""
     folder = tmp_path_factory.mktemp("foreign")
     (folder / "ramp.py").write_text(_FOREIGN, encoding="utf-8")
     FmuBuilder.build_FMU(folder / "ramp.py", folder / "raw.fmu", needsExecutionTool="false")

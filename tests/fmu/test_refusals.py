@@ -47,7 +47,6 @@ REFUSED_BY_STRIBECK = [
 
 
 def refused(host: Host, kind: str, law: str, before: list[Any], call: list[Any], text: str) -> None:
-    """A call is refused twice in the same words, which a Python FMU writes to standard error."""
     host.errors()
     *_, first, again = host.call(play, built(kind, law), [*before, call, call])
     assert text in first["messages"][-1]

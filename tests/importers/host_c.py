@@ -36,8 +36,6 @@ def unpack(fmu: Path, folder: Path) -> Path:
 
 @dataclass(frozen=True)
 class Host:
-    """The program, an unzipped FMU, and the variables it is started with."""
-
     program: Path
     fmu: Path
     environment: Mapping[str, str]

@@ -27,7 +27,6 @@ the second, `nested`; of the case `restart` the second run in the same process, 
 
 @cache
 def host(importer: str) -> Host:
-    """Return the process of an importer, with libpython preloaded where it needs that."""
     process = Host(**preload(importer))
     atexit.register(process.end)
     return process
@@ -38,7 +37,6 @@ def preload(importer: str) -> Mapping[str, str]:
 
 
 def ask(importer: str, what: str, *arguments: Any, process: Host | None = None) -> tuple[Any, str]:
-    """Call a method of the importer's simulation; return its answer and what the process wrote."""
     process = process or host(importer)
     answer = process.call(act, f"by_{importer}", f"SIMULATION.{what}", *arguments)
     return answer, process.errors()

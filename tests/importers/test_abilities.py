@@ -41,7 +41,6 @@ REFUSED = table("When the block refuses a value")
 
 
 def asked(importer: str, *question: Any, process: Host | None = None) -> tuple[Any, str]:
-    """Return the answer of an importer, "crash" where its process is ended by a signal."""
     try:
         return ask(importer, *question, process=process)
     except DiedError as died:

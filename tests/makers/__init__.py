@@ -145,7 +145,6 @@ class Described(NamedTuple):
 
 
 def description(name: str, variables: Sequence[Described]) -> str:
-    """Return a description of FMI 2.0; references are numbers of the variables by type."""
     units = ""
     for unit in dict.fromkeys(each.unit for each in variables if each.unit in vocabularies.UNITS):
         base = " ".join(f'{n}="{value}"' for n, value in vocabularies.UNITS[unit].items())
@@ -173,7 +172,6 @@ def description(name: str, variables: Sequence[Described]) -> str:
 
 
 def numbers(fmu: Path) -> Path:
-    """Compile and pack an FMU 3.0 in C with a variable of each type of number."""
     library = fmu.with_suffix(fmpy.sharedLibraryExtension)
     subprocess.run(["cc", "-shared", "-fPIC", "-o", library, HERE / "numbers.c"], check=True)
     with zipfile.ZipFile(fmu, "w") as archive:
@@ -199,8 +197,6 @@ def altered(
 
 
 def edited(*changes: tuple[str, str]) -> Callable[[str], str]:
-    """Return what replaces patterns in a description, each of which must match."""
-
     def edit(text: str) -> str:
         for pattern, to in changes:
             text, count = re.subn(f"(?s){pattern}", to, text)
@@ -211,7 +207,6 @@ def edited(*changes: tuple[str, str]) -> Callable[[str], str]:
 
 
 def described(to: Path, description: str) -> Path:
-    """Write an FMU that is a description and nothing else."""
     with zipfile.ZipFile(to, "w", zipfile.ZIP_DEFLATED) as archive:
         archive.writestr(DESCRIPTION, description)
     return to
@@ -245,7 +240,6 @@ _PLAIN = ("m", "g", *TUNABLE, "x_dot_start", "z_start", *INPUTS, *MOTION, "stick
 
 
 def plain(name: str, **how: Any) -> Foreign:
-    """Return a slider as people write it."""
     return Foreign(name, keys=_PLAIN, plain=True, **how)
 
 
@@ -254,5 +248,4 @@ RUNGE_KUTTA = Foreign("RungeKutta", "si", order=5, step=0.02)
 
 
 def misbehaving(what: str, fmi: int = 2) -> Foreign:
-    """Return a foreign FMU under our names that does something on its third step."""
     return Foreign(f"Does{what.partition(' ')[0].capitalize()}", fmi=fmi, misdeed=what)

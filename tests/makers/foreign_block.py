@@ -84,7 +84,6 @@ class Slip:
 
 
 def falling_zero(function: Callable[[float], float], low: float, high: float) -> float:
-    """Return a zero between two times, from positive to not, by the Illinois method."""
     at_low, at_high = function(low), function(high)
     for _ in range(200):
         middle = high - at_high * (high - low) / (at_high - at_low) if at_high < at_low else low
@@ -172,7 +171,6 @@ class ForeignBlock:
         return 0.0 if self.fault == "undamped back" and self.reversed else self.p["c"]
 
     def _loose(self) -> int:
-        """Return where a mass at rest is driven at once; 0 if friction holds it."""
         parts = abs(self.p["k"] * self.z) + abs(self.p["F_ext"]) + self.static
         if abs(self.driving) - self.static <= EQUAL * parts:
             return 0

@@ -121,7 +121,6 @@ class Face:
         self.shown = self.block.outputs()
 
     def do_step(self, current_time: float, step_size: float) -> Any:
-        """Put what was set in force and move; a step that makes no sense is discarded."""
         self.steps += 1
         if self.steps == 3 and self.settings["misdeed"]:
             KEPT.append((self, type(self), self.log_queue))  # type: ignore[attr-defined]
@@ -184,7 +183,6 @@ def misbehave(what: str, face: Any) -> None:
 
 
 def leave_daemon(notes: Path) -> None:
-    """Start a process with another parent and another session, and note its number."""
     if os.fork() == 0:
         os.setsid()
         daemon = os.fork()

@@ -82,7 +82,6 @@ class Contract:
         return Expected(OK, values, warns=self._warns)
 
     def type_of(self, reference: int) -> str:
-        """Return the type in the names of the calls that reach a variable."""
         if reference >= len(self.rows):
             return "Float64"
         quantity = self.rows[reference].type
@@ -241,7 +240,6 @@ class Contract:
             life.block.set(name, value)
 
     def _warn(self, life: Life) -> None:
-        """Note whether a warning of what is set is due: once, until another one is."""
         settings = life.settings
         due: tuple[Any, ...] | None = None
         if settings.get("shape") == _CURVE:
@@ -265,7 +263,6 @@ class Contract:
 
     @staticmethod
     def _of_block(call: Any, *arguments: Any) -> Any:
-        """Call the block, which may refuse, and only by its own error."""
         try:
             return call(*arguments)
         except ModelError as error:
@@ -281,7 +278,6 @@ class Contract:
 
 
 def objection(expected: Expected, outcome: Outcome) -> str:
-    """Return what is wrong with the outcome of a call, "" if nothing."""
     status, values, messages = outcome
     if status != expected.status:
         return f"status {status}, expected {expected.status}: {expected.text or messages}"

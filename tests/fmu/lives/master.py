@@ -167,7 +167,6 @@ class Master:
         return self.mark + self.chance.randrange(2)
 
     def _misled(self, references: list[int]) -> list[int]:
-        """Return the references, perhaps with one that is wrong."""
         if not self._errs():
             return references
         count = len(self.rows)

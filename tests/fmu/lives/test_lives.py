@@ -44,7 +44,6 @@ def finding(host: Host, path: Path, lives: list[Life]) -> tuple[Life, str] | Non
 
 
 def shortest(host: Host, path: Path, kind: str, law: str, life: Life, why: str) -> str:
-    """Return what is found without the calls that it does without, one a line."""
     for n in reversed(range(len(life) - 1)):
         contract = Contract(kind, law)
         calls = [call for call, _ in life[:n] + life[n + 1 :]]

@@ -10,7 +10,6 @@ from typing import Any
 
 
 def act(module: str, name: str, *arguments: Any) -> Any:
-    """Call what a module here has by this name, in a folder of its own."""
     os.chdir(tempfile.mkdtemp())
     # What it prints is read with what it writes to standard error.
     os.dup2(2, 1)

@@ -72,7 +72,6 @@ class Ecos(Simulation):
 
     @classmethod
     def units(cls, fmu: str) -> bool:
-        """Look for a unit in the table that Ecos writes, and for a call that gives units."""
         with cls(fmu, messages=True) as simulation:
             simulation.step()
         head = Path("results.csv").read_text(encoding="utf-8").splitlines()[0]

@@ -43,7 +43,6 @@ class Fmucontainer(Fmpy):
     @staticmethod
     @cache
     def nest(fmu: str, blocks: tuple[str, ...], threads: bool) -> str:
-        """Make a container and return its path; its variables are called as `a.F`."""
         linked = LINK if blocks == PAIR else ()
         exposed: dict[str, list[list[str]]] = {"input": [], "output": []}
         variables = fmpy.read_model_description(fmu).modelVariables

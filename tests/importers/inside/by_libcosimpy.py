@@ -91,8 +91,6 @@ class Libcosim(Simulation):
 
     @classmethod
     def any_step(cls, fmu: str) -> bool:
-        """Let the ECCO algorithm choose the steps of two blocks, one pulled by the other's mass."""
-
         class WithEcco(cls):  # type: ignore[valid-type, misc]
             algorithm = CosimAlgorithm.create_ecco_algorithm(EccoParams())
 

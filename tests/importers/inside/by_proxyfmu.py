@@ -24,7 +24,6 @@ class Proxyfmu(Ecos):
 
 @cache
 def put_on_path() -> None:
-    """Put a proxyfmu that may run on the PATH: what `chmod +x` does where one may change it."""
     folder = tempfile.mkdtemp()
     copied = shutil.copy(Path(ecospy.__file__).parent / "binaries" / "proxyfmu", folder)
     Path(copied).chmod(0o755)

@@ -72,7 +72,6 @@ class Simulation:
         self.close()
 
     def of_each(self, values: Any) -> Iterator[tuple[str, str, Any]]:
-        """Give block, name and value of what is set: not what comes from the other block."""
         for block in self.blocks:
             for name, value in values.items():
                 if (block, name) != LINK[1]:
@@ -97,7 +96,6 @@ class Simulation:
         return cls.run(fmu, case, PAIR)
 
     def play(self, case: Any) -> dict[str, Any]:
-        """Step through a case and return the rows: times, outputs, those of the second block."""
         names = outputs(self.fmu)
         rows: dict[str, Any] = {b: {name: [] for name in names} for b in self.blocks}
         times: list[float] = []
