@@ -24,7 +24,6 @@ FAST = {"bandwidth": 600.0, "T_n": 4.0 / 600.0}
 
 
 def rubbing(law: str = "coulomb", **own: float) -> Friction:
-    """Return the friction of the servo axis under a friction law with parameters of its own."""
     return Friction(mu_s=0.20, mu_k=0.15, law=law, own=own)
 
 
@@ -114,7 +113,6 @@ def test_hunting_is_that_of_the_two_fmus_and_a_band_of_half_a_jump_ends_it(
 
 
 def falling(v_s: float) -> Axis:
-    """Return the servo axis under friction that falls within a speed [m/s]."""
     return replace(SERVO, friction=rubbing("stribeck", shape=1.0, v_s=v_s, delta=1.0))
 
 

@@ -94,7 +94,6 @@ def test_the_page_asks_for_nothing_and_names_of_a_file_are_no_markup(name: str) 
 
 
 def keys_of_numbers(found: Any, key: str = "") -> Iterator[str]:
-    """Give the key of every number, or text for one, in what JSON gave."""
     if isinstance(found, dict):
         for name, each in found.items():
             # These name their numbers as the axis file and the friction law do.

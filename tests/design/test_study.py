@@ -43,7 +43,6 @@ def test_on_a_rigid_drive_the_critical_feed_is_that_of_the_closed_form(rigid: Ve
 
 
 def sticks(axis: Axis, feed: float) -> bool:
-    """Tell by the exact block whether its second slip still comes to rest."""
     values = {"m": axis.m, "k": axis.k, "c": axis.c, "v": feed} | {
         "mu_s": axis.friction.mu_s, "mu_k": axis.friction.mu_k, "g": axis.g
     }  # fmt: skip

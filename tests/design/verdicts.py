@@ -35,7 +35,6 @@ def unstable() -> Verdict:
 
 @cache
 def large() -> Verdict:
-    """Return what fills a report: many feeds, cures, assumptions and filters."""
     before = juddering()
     assert before.axis.drive is not None
     filters = (low_pass(800.0), low_pass(600.0, 0.7), notch(120.0, 0.5, 0.1))

@@ -97,7 +97,6 @@ class Guideway:
         self.t_0 = quantity(friction.get("t_0", 1.0))
 
     def slides(self, u: float) -> float:
-        """Return friction at a speed u [m/s] >= 0."""
         if self.points:
             i = min(max(bisect(self.speeds, u), 1), len(self.points) - 1)
             (u_0, F_0), (u_1, F_1) = self.points[i - 1 : i + 1]
@@ -109,7 +108,6 @@ class Guideway:
         return self.F_k + (self.F_s - self.F_k) * falls
 
     def holds(self, age: float) -> float:
-        """Return the most that a stick of this age [s] holds."""
         if not (self.tau_s or self.B):
             return self.F_s
         fresh = math.exp(-age / self.tau_s) if self.tau_s else 0.0
@@ -182,7 +180,6 @@ class Motion:
         self.slow += 4.0 / self.K_v + 4.0 * self.T_n
 
     def _longest(self, N: float) -> float:
-        """Return the longest step [s] that is short for what happens."""
         speeds = np.linspace(0.0, 4.0 * self.v, 800)
         friction = np.array([self.guideway.slides(u) for u in speeds])
         steepest = float(np.abs(np.diff(friction)).max() / speeds[1])
@@ -207,11 +204,9 @@ class Motion:
         return A
 
     def _cut(self) -> None:
-        """Compute what (z, w, u, x, F) become in a step of each length, its inputs constant."""
         self.rows = [expm(self.system() * h)[:5].tolist() for _, h in self.parts]
 
     def _under_way(self, start: Start) -> None:
-        """Begin at the feed, the controller in balance with the force of the spring."""
         v, u = self.v, 0.0 if start == "jumps" else 1.01 * self.v
         # Twice what holds: beyond all that a cycle reaches, and the first slip still stops.
         pull = self.guideway.slides(v) + self.c * v if u else 2.0 * self.guideway.F_s
@@ -234,7 +229,6 @@ class Motion:
         self._cut()
 
     def command(self) -> None:
-        """Sample: compute the force, and let those under way move up."""
         z, w, _, x, _, integral, last, *under_way = self.state
         ramp = self.v / self.acceleration
         if self.rigid:
@@ -326,7 +320,6 @@ class Motion:
         self.age, self.R, self.D, self.low, self.high, self.t = age, R, D, low, high, t
 
     def look(self, samples: int) -> Seen:
-        """Return what the axis does in the next samples."""
         self.advance(samples)
         turns, n = len(self.passed) - 1, len(self.slipped) - 1
         seen = Seen("swings", 0.5 * (self.high - self.low) / self.v, reverses=self.low < 0.0)
@@ -405,7 +398,6 @@ def seen(axis: Tables, feed: str | float, start: Start) -> Seen:
 
 
 def _same(before: Seen, now: Seen) -> bool:
-    """Tell whether two looks saw the same motion."""
     if before.kind != now.kind:
         return False
     if now.kind == "swings":

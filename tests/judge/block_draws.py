@@ -32,11 +32,9 @@ class Setting:
 
     @property
     def w(self) -> float:
-        """Angular frequency sqrt(k / m) [rad/s]."""
         return math.sqrt(self.values["k"] / self.values["m"])
 
     def friction(self, u: float) -> float:
-        """Return the dry friction [N] at a speed u [m/s] > 0."""
         p = self.values
         shape, mu = p.get("shape", 0), p["mu_k"]
         if shape == 1:
@@ -50,7 +48,6 @@ class Setting:
         return mu * p["m"] * GRAVITY
 
     def hold(self, age: float) -> float:
-        """Return the force [N] that a stick of this age [s] holds."""
         p = self.values
         share = -math.expm1(-age / p["tau_s"]) if p.get("tau_s") else 1.0
         growth = p["B"] * math.log1p(age / p["t_0"]) if p.get("B") else 0.0
@@ -92,7 +89,6 @@ def setting(number: int) -> Setting:
 
 
 def _curve(draw: Random, mu_s: float, mu_k: float, u: float) -> dict[str, float]:
-    """Draw a measured curve: a fall, often after a plateau at mu_s; then rises or falls again."""
     plateau = draw.random() < 0.6
     mu = [mu_s if plateau else mu_s * draw.choice([1.0, draw.uniform(0.7, 1.0)])]
     mu += mu * plateau + [min(mu_k, mu[0])]
@@ -106,7 +102,6 @@ def _curve(draw: Random, mu_s: float, mu_k: float, u: float) -> dict[str, float]
 
 
 def starts(drawn: Setting) -> list[dict[str, float]]:
-    """Return 20 starts: at rest, near even sliding, in large slips, in sticks of several ages."""
     p, k, v = drawn.values, drawn.values["k"], drawn.values["v"]
     even = (drawn.friction(v) + p["c"] * v) / k
     scale = p.get("tau_s") or p.get("t_0") or 0.0

@@ -49,7 +49,6 @@ class Seen:
     sticks: int = 0
 
     def like(self, other: Seen) -> bool:
-        """Tell whether two motions are one, to what a look resolves."""
         if (self.kind, self.sticks) != (other.kind, other.sticks):
             return False
         if self.kind == "swings":
@@ -79,15 +78,12 @@ _Sample = namedtuple("_Sample", "F F_s T t_stick t_event t_slip mode n_slips")
 
 
 class _Watch:
-    """An instance that is run until what it does repeats."""
-
     def __init__(self, instance: Instance, drawn: Setting) -> None:
         self.instance, self.v, self.k = instance, drawn.values["v"], drawn.values["k"]
         self.period = 2.0 * math.pi / drawn.w
         self.events: deque[float] = deque(maxlen=8)
 
     def settled(self) -> Seen:
-        """Look at the motion after ever longer times, until two looks agree."""
         before, wait, irregular = Seen("unsettled"), 8, 0
         for _ in range(ROUNDS):
             now = self._look()
@@ -103,7 +99,6 @@ class _Watch:
         return replace(before, sticks=0) if irregular > ROUNDS / 2 else Seen("unsettled")
 
     def _look(self) -> Seen:
-        """Follow some sticks, or, where none comes in a dozen periods, the velocity."""
         self.now, slipping = self._sample(), 0
         broken: list[_Sample] = []
         while len(broken) <= STICKS and slipping < 50:
@@ -137,7 +132,6 @@ class _Watch:
         return now.T > 0.0 and any(abs(gap) < slack for gap in apart)
 
     def _swing(self) -> Seen:
-        """Measure the velocity, sampled 48 times a period for four periods."""
         h, u = self.period / 48.0, []
         for _ in range(192):
             self.instance.step(h)
@@ -157,8 +151,6 @@ class _Watch:
 
 
 def _sticks(broken: Sequence[_Sample], v: float) -> Seen:
-    """Return the shortest repetition of the sticks before these break-aways, from the last ones."""
-
     def same(a: _Sample, b: _Sample) -> bool:
         return _near(a.T, b.T, SAME) and _near(a.t_stick, b.t_stick, SAME)
 

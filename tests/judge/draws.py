@@ -40,7 +40,6 @@ def axis(number: int, seed: int = 1) -> Tables:
 
 
 def _slides(draw: Random, drawn: Tables, law: str, m: float, w: float) -> Tables:
-    """Draw friction and feeds for an axis."""
     table, most = drawn["axis"], carries(drawn)
     load = m * 9.81 * (draw.uniform(-0.5, 2.0) if draw.random() < 0.2 else 0.0)
     N = m * 9.81 + load
@@ -89,7 +88,6 @@ def _slides(draw: Random, drawn: Tables, law: str, m: float, w: float) -> Tables
 def _curve(
     draw: Random, mu_s: float, mu_k: float, slowest: float, widest: float
 ) -> list[tuple[float, float]]:
-    """Draw points (mm/s, mu): often a plateau, a fall, then rises and falls."""
     u, apart = log_uniform(draw, slowest, widest), 3.0
     mu = [mu_s] * draw.choice([1, 2, 2, 2])
     if len(mu) == 2 and draw.random() < 0.7:
@@ -106,7 +104,6 @@ def _curve(
 
 
 def _drive(draw: Random, m: float, w: float) -> Tables:
-    """Draw a servo drive for a table of mass m, of angular frequency w on its screw."""
     pitch = draw.choice([5.0, 10.0, 16.0, 20.0])
     m_d, bandwidth = m * log_uniform(draw, 0.4, 6.0), log_uniform(draw, 100.0, 800.0)
     inertia, sample = m_d * (pitch / 2e3 / math.pi) ** 2, draw.choice([0.125, 0.25, 0.5, 1.0])
@@ -139,7 +136,6 @@ def _text(value: float, unit: str) -> str:
 
 
 def write(drawn: Tables, folder: Path) -> Path:
-    """Write the axis file, and its curve beside it; return its path."""
     tables = {name: dict(table) for name, table in drawn.items()}
     if "curve" in tables["friction"]:
         rows = [f"{speed}, {mu}\n" for speed, mu in tables["friction"]["curve"]]

@@ -22,7 +22,6 @@ JUMP = 0.03
 
 
 def disagreements(number: int, folder: Path) -> list[str]:
-    """Return where the regime of an axis differs from what was seen, at each of its feeds."""
     drawn = axis(number)
     stated = read_axis_file(write(drawn, folder)).axis()
     wrong: list[str] = []

@@ -19,7 +19,6 @@ COMMON = {"m", "k", "c", "mu_s", "mu_k", "v"}
 
 
 def disagreements(drawn: Setting) -> list[str]:
-    """Return what the reference says, and what was not seen, or seen and not said."""
     values = {name: value for name, value in drawn.values.items() if name in COMMON}
     own = {name: float(value) for name, value in drawn.values.items() if name not in COMMON}
     law, v = friction_law(drawn.law), drawn.values["v"]
@@ -47,7 +46,6 @@ def disagreements(drawn: Setting) -> list[str]:
 
 
 def stick_seen(drawn: Setting, age: float) -> bool:
-    """Tell whether the block goes on sticking after a first stick of this age [s]."""
     p = drawn.values
     return seen(drawn, {"z_start": drawn.hold(age) / p["k"] - p["v"] * age}).kind == "sticks"
 

@@ -23,7 +23,6 @@ OVER = {"v": "1..900 mm/s log 20", "k": "0.1..10 kN/m log 11", "c": "0.5..6 15",
 
 @cache
 def some_page() -> tuple[View, list["xarray.Dataset"], str, dict[str, Any]]:
-    """Return a map over four parameters, its slices, its page and the data in that."""
     view = View(ss.map(OVER, workers=1))
     text = page(view, view.places(60), view.overall())
     found = re.search(r'<script type="application/json" id="data">(.*?)</script>', text, re.DOTALL)

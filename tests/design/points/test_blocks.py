@@ -30,7 +30,6 @@ pytestmark = pytest.mark.filterwarnings("ignore::stickslip_design.points.slips.S
 
 
 def drawn(seed: int, count: int, **ranges: tuple[float, float]) -> Points:
-    """Return random values, each by the logarithm between two ends."""
     random = np.random.default_rng(seed)
     return {
         name: np.exp(random.uniform(math.log(low), math.log(high), count))
@@ -39,7 +38,6 @@ def drawn(seed: int, count: int, **ranges: tuple[float, float]) -> Points:
 
 
 def coulomb(seed: int, count: int) -> Points:
-    """Return random blocks under Coulomb's law, half of them damped."""
     points = drawn(
         seed, count, m=(0.1, 10.0), k=(1e2, 1e5), v=(1e-4, 0.3), mu_s=(0.3, 0.6), mu_k=(0.05, 0.3)
     )
@@ -48,7 +46,6 @@ def coulomb(seed: int, count: int) -> Points:
 
 
 def dwelling(seed: int, count: int) -> Points:
-    """Return random blocks whose static friction grows at rest, in the one way or the other."""
     points = coulomb(seed, count) | drawn(seed + 1, count, tau_s=(5e-3, 5.0), t_0=(1e-3, 2.0))
     random = np.random.default_rng(seed)
     points["B"] = random.uniform(0.005, 0.05, count) * random.integers(0, 2, count)
@@ -57,7 +54,6 @@ def dwelling(seed: int, count: int) -> Points:
 
 
 def falling(seed: int, count: int) -> Points:
-    """Return random blocks under friction that falls with the speed, of all three shapes."""
     points = drawn(
         seed, count, m=(0.3, 3.0), k=(1e2, 2e4), v=(2e-3, 1.0), mu_s=(0.35, 0.6), mu_k=(0.05, 0.3),
         v_s=(5e-3, 0.3), mu_2=(0.1, 0.3), mu_3=(0.1, 0.5),

@@ -25,7 +25,6 @@ EXCLUDING = {PAIR: 0.9, (PAIR[1], "axis.mass"): 0.9, (PAIR[0], "axis.mass"): -0.
 
 
 def asked(file: AxisFile | None = None, **arguments: Any) -> Scatter:
-    """Return the answer for a series, without Sobol indices, computed in this process."""
     asked_for = question(file or series(), **{"vary": MU_S, "indices": 0, **arguments})
     return answer(asked_for, lambda study, _: run(study, workers=1))
 
