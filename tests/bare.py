@@ -62,7 +62,6 @@ def main(machine: str, arguments: list[str]) -> int:
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Leave in the tests that need more than pip brings."""
     items[:] = [
         item
         for item in items

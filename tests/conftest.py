@@ -64,13 +64,11 @@ def pytest_configure(config: pytest.Config) -> None:
 
 
 def pytest_itemcollected(item: pytest.Item) -> None:
-    """Mark what uses the browser, by whatever fixture, as in need of one."""
     if "browser" in getattr(item, "fixturenames", ()):
         item.add_marker(needs("browser"))
 
 
 def tier(item: pytest.Item) -> str:
-    """Return "soak", "gate" or "test": a test is of one tier."""
     if item.get_closest_marker("soak"):
         return "soak"
     needed = {name for mark in item.iter_markers("needs") for name in mark.args}
@@ -78,7 +76,6 @@ def tier(item: pytest.Item) -> str:
 
 
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
-    """Leave out what is of a tier above the one asked for."""
     soak, gate = config.getoption("soak"), config.getoption("gate")
     tiers = {"test", *(("gate", "soak") if soak else ("gate",) if gate else ())}
     left_out = [each for each in items if tier(each) not in tiers]
@@ -88,14 +85,12 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
 
 
 def _cpu() -> float:
-    """Return the CPU seconds of this process and of its children that have ended."""
     spent = (resource.getrusage(who) for who in (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN))
     return sum(each.ru_utime + each.ru_stime for each in spent)
 
 
 @pytest.hookimpl(tryfirst=True)
 def pytest_runtest_setup(item: pytest.Item) -> None:
-    """Skip or fail a test before anything is made for it that it cannot use."""
     item.stash[_BEGUN] = _cpu()
     require(name for mark in item.iter_markers("needs") for name in mark.args)
 
@@ -146,7 +141,6 @@ KINDS = ("python-2", "native-2", "native-3")
 
 @cache
 def built(kind: str, law: str = "coulomb") -> Path:
-    """Return the FMU of a kind under a friction law, built once for all processes of this run."""
     language, version = kind.split("-")
     face: Literal[2, 3] = 3 if version == "3" else 2
 
@@ -165,7 +159,6 @@ def fmu_path() -> Path:
 
 
 def kinds(*names: str) -> list[ParameterSet]:
-    """Return kinds of FMUs as values of a parameter: a native one needs a compiler."""
     return [
         pytest.param(name, marks=needs("cc") if name.startswith("native") else ())
         for name in names or KINDS

@@ -17,14 +17,12 @@ def section(title: str) -> str:
 
 
 def blocks(title: str, language: str) -> list[str]:
-    """Return the blocks of a section in a language, without their indentation."""
     pattern = rf"^( *)```{language}\n(.*?)^ *```$"
     found = re.findall(pattern, section(title), re.DOTALL | re.MULTILINE)
     return [textwrap.dedent(block) for _, block in found]
 
 
 def walk(commands: str, folder: Path, **environment: str) -> str:
-    """Run lines of the shell, all of which must succeed, in a folder; return what they print."""
     path = f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"
     env = {**os.environ, "PATH": path, **environment}
     done = run("/bin/sh", "-e", "-c", commands, cwd=folder, env=env, timeout=600)

@@ -18,7 +18,6 @@ shell makes what it starts in the background."""
 
 @contextmanager
 def session(*command: str, folder: Path, scratch: Path) -> Iterator[Popen[str]]:
-    """Run the command as the leader of a session in `folder`; killed at the end of the block."""
     with Popen(
         [*HEARING, sys.executable, "-c", PROGRAM, *command],
         cwd=folder,

@@ -89,7 +89,6 @@ class Need(NamedTuple):
 
 
 def needs(*names: str) -> pytest.MarkDecorator:
-    """Return the mark of a test that needs these, by their names in `NEEDS`."""
     assert set(names) <= set(NEEDS), names
     return pytest.mark.needs(*names)
 
@@ -103,7 +102,6 @@ def each(names: Iterable[str]) -> list[object]:
 
 
 def require(names: Iterable[str]) -> None:
-    """Skip the running test, or fail it in CI, if one of these is missing."""
     reasons = [reason for name in names if (reason := lacking(name)) is not None]
     if reasons and os.environ.get("CI"):
         pytest.fail("\n".join(reasons), pytrace=False)
@@ -113,7 +111,6 @@ def require(names: Iterable[str]) -> None:
 
 @cache
 def lacking(name: str) -> str | None:
-    """Return why something cannot be used, None if it can; it is tried once in a process."""
     need = NEEDS[name]
     try:
         need.trial()
@@ -169,13 +166,6 @@ def _by_npm(*command: str) -> None:
 
 
 def firefox() -> str:
-    """Return the path of Firefox.
-
-    Raises
-    ------
-    LackingError
-        If there is none.
-    """
     found = shutil.which("firefox-esr") or shutil.which("firefox")
     if found is None:
         raise LackingError("there is no program firefox-esr", "apt-get install firefox-esr")

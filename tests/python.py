@@ -6,7 +6,6 @@ from typing import Any
 
 
 def run(*command: object, **more: Any) -> subprocess.CompletedProcess[str]:
-    """Run a program to its end, whatever that is; `more` are options of `subprocess.run`."""
     words = [*map(str, command)]
     return subprocess.run(words, capture_output=True, text=True, check=False, **more)
 
@@ -14,7 +13,6 @@ def run(*command: object, **more: Any) -> subprocess.CompletedProcess[str]:
 def python(
     *arguments: object, timeout: float = 120.0, **more: Any
 ) -> subprocess.CompletedProcess[str]:
-    """Run this Python to its end; it must end with exit code 0."""
     done = run(sys.executable, *arguments, timeout=timeout, **more)
     assert done.returncode == 0, done.stderr[-2000:]
     return done

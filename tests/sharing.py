@@ -7,7 +7,6 @@ from pathlib import Path
 
 
 def made_once(name: str, make: Callable[[Path], None]) -> Path:
-    """Return a folder that `make` has filled once for all processes of the run."""
     root = Path(tempfile.gettempdir()) / f"shared-{name}"
     root.mkdir(exist_ok=True)
     with (root / "lock").open("w") as lock:

@@ -47,8 +47,6 @@ pytestmark = pytest.mark.gate
 
 @dataclass(frozen=True)
 class Environment:
-    """A virtual environment of its own, and a folder to work in, far from the source tree."""
-
     root: Path
     folder: Path
 
@@ -60,7 +58,6 @@ class Environment:
         return self.run("python", "-m", "pip", "--quiet", "--disable-pip-version-check", *words)
 
     def stickslip(self, *words: str) -> str:
-        """Run the command and return what it prints; it must end with exit code 0."""
         done = self.run("stickslip", *words)
         assert done.returncode == 0, done.stdout + done.stderr
         return done.stdout
@@ -85,11 +82,6 @@ def names(wheel: Path) -> set[str]:
 
 @pytest.fixture(scope="module")
 def installed(wheel: Path) -> Environment:
-    """Return a fresh environment with the wheel and what it asks for, and with nothing else.
-
-    What it asks for is lent by the environment of the tests, where pip has installed it.
-    """
-
     def set_up(folder: Path) -> None:
         environment = Environment(folder / "venv", folder)
         subprocess.run([sys.executable, "-m", "venv", str(environment.root)], check=True)
@@ -106,7 +98,6 @@ def installed(wheel: Path) -> Environment:
 
 
 def asked_for(of: Distribution, extra: str = "") -> set[str]:
-    """Return the names of all that a distribution needs, and that those need."""
     found: set[str] = set()
     for need in map(Requirement, of.requires or ()):
         if need.marker is None or need.marker.evaluate({"extra": extra}):

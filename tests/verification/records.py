@@ -24,8 +24,6 @@ INVARIANTS = load_invariants().residuals
 
 @dataclass
 class Draft:
-    """A record that a fault may write into."""
-
     outputs: dict[str, Series]
     initial: dict[str, float]
 
@@ -45,14 +43,12 @@ def exact_of(name: str) -> Exact:
 
 @cache
 def believed(name: str, *values: tuple[str, float]) -> Run:
-    """Return the exact motion of a case in a world with other parameters."""
     case = named(name)
     return exact_motion(replace(case, parameters={**case.parameters, **dict(values)})).record
 
 
 @cache
 def invariants_of(name: str) -> tuple[ResidualInvariant, ...]:
-    """Return the invariants on samples that the exact motion of a case has a place for."""
     return tuple(
         invariant
         for invariant in INVARIANTS

@@ -17,7 +17,6 @@ pytestmark = pytest.mark.gate
 
 @pytest.fixture
 def suite(tmp_path: Path) -> Path:
-    """Return the suite's folder in a copy of its package, without cases of costly truth."""
     ignored = shutil.ignore_patterns("__pycache__", "stribeck-*", "hyperbolic-*", "curve-*")
     return Path(shutil.copytree(PACKAGE, tmp_path / PACKAGE.name, ignore=ignored)) / "suite"
 

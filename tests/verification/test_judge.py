@@ -135,7 +135,6 @@ def test_a_fault_breaks_what_is_about_it(
 
 
 def world(name: str, value: float) -> Callable[[str], Run]:
-    """Give the exact motion of a case in a world with another constant."""
     return lambda case: believed(case, (name, value))
 
 

@@ -13,8 +13,6 @@ CASE = named("one-step")
 
 
 class Counted:
-    """Stands for long work; counts how often it is done."""
-
     def __init__(self) -> None:
         self.calls = 0
 

@@ -41,7 +41,6 @@ def experiment(contract: Contract) -> Experiment:
 def tried(
     fmu: Path, *mutants: Mutant, contract: Contract = EXACT_CONTRACT, **how: Any
 ) -> KillMatrix:
-    """Try faults on two cases, and on the probes that need no fresh process."""
     return detect(fmu, mutants, experiment(contract), jobs=1, **{"whole": False, **how})
 
 

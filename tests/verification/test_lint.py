@@ -19,7 +19,6 @@ CASE = CASES_FOLDER / "default.toml"
 
 @pytest.fixture(scope="module")
 def alone(tmp_path_factory: pytest.TempPathFactory) -> set[str]:
-    """Return the findings of a folder with one sound case: what only other cases use."""
     folder = tmp_path_factory.mktemp("alone")
     shutil.copy(CASE, folder)
     return set(lint(folder))
@@ -68,7 +67,6 @@ NOWHERE = replace(FAULT, detected_by=("no-check",))
 
 
 def one(part: str, **values: Any) -> dict[str, Any]:
-    """Return a family of invariants that has one more, another one than its first in these."""
     family = getattr(INVARIANTS, part)
     return {part: (*family, replace(family[0], **values))}
 

@@ -39,7 +39,6 @@ def ours() -> FmuFile:
 
 
 def differing(one: Run, other: Run) -> set[str]:
-    """Return the outputs in which two records differ in a bit, at the start or later."""
     return {
         name
         for name in OUTPUT_NAMES
@@ -137,7 +136,6 @@ def judged(invariant: str, other: Answer[Run]) -> CheckResult:
 
 
 def changed(name: str, by: float) -> Answer[Run]:
-    """Return the small case's record with the last value of an output moved."""
     samples = np.array(SMALL.outputs[name])
     samples[-1] += by
     return Answer(replace(SMALL, outputs={**SMALL.outputs, name: samples}))

@@ -25,7 +25,6 @@ DEAR = {"environment", "environment-to-the-bit", "keeps-its-cycle", *MEMORY}
 
 
 def asked(invariant: str, file: FmuFile, **others: Any) -> list[str]:
-    """Return the complaints of a probe; a refused call is one."""
     probe = INVARIANTS[invariant]
     try:
         return PROBES[probe.probe](file, **{**probe.arguments, **others})
@@ -35,7 +34,6 @@ def asked(invariant: str, file: FmuFile, **others: Any) -> list[str]:
 
 @pytest.fixture(autouse=True)
 def on_a_busy_machine(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Let fresh processes and measurements take their time."""
     monkeypatch.setattr(environments, "_PATIENCE", 600.0)
     monkeypatch.setattr(environments, "_SLOWER", 100.0)
 

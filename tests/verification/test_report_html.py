@@ -39,7 +39,6 @@ def text_of(page: str) -> str:
 
 
 def motion(case: str) -> Motion:
-    """Make a mass that rests while the other end of its spring goes away."""
     t, zero = np.linspace(0.1, 1.0, 10), np.zeros(10)
     outputs = {
         **dict.fromkeys(("x", "x_dot", "mode"), zero),
@@ -115,7 +114,6 @@ def test_what_was_judged_failed_and_why_and_what_it_is_worth_is_on_the_page() ->
 
 
 def course(case: str, error: float, **values: Any) -> CheckResult:
-    """Make a passed comparison with the exact motion, in parts of the scale."""
     return result(case=case, error=error, measure="of_scale", **values)
 
 

@@ -32,7 +32,6 @@ CUT = """() => [...document.querySelectorAll("body *")].filter(each => {
 
 
 def suite_like(*failing: str) -> str:
-    """Render a verdict as large as that of the suite, its texts as long, these cases failing."""
     usual: dict[str, Any] = {
         "quantity": "jump_beyond_simplified", "unit": "m/s", "got": -0.00630536174, "error": 1e-12,
         "tolerance": 2.5e-12, "because": REASON, "measure": "of_scale",

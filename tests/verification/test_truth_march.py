@@ -21,14 +21,11 @@ TOLERANCE = MP.mpf("1e-45")
 
 
 class Marched(FrictionLaw):
-    """Coulomb's law, as one of which only the friction is known."""
-
     def kinetic(self, n: Numbers, speed: Series, state: Sequence[Series]) -> Series:
         return Series(speed.context, [n.F_k])
 
 
 def assert_equal(one: truth.Run, other: truth.Run, tolerance: Any = TOLERANCE) -> None:
-    """Assert equal events, and equal outputs to the tolerance of the scale of their kind."""
     assert [(e.kind, e.mode) for e in one.events] == [(e.kind, e.mode) for e in other.events]
     for name in one.initial:
         alike = ("x", "x_pull", "z") if name in ("x", "x_pull", "z") else (name,)

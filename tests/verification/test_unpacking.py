@@ -36,7 +36,6 @@ def refusal(path: str | Path) -> str:
 
 
 def stating(path: Path, size: int) -> Path:
-    """Have all entries of an archive say that they unpack to `size` bytes."""
     content = bytearray(path.read_bytes())
     place = content.find(b"PK\x01\x02")
     while place >= 0:

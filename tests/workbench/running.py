@@ -11,8 +11,6 @@ from tests.python import run
 
 
 class Answer:
-    """Exit code, standard output and standard error of one command."""
-
     def __init__(self, code: int, out: str, err: str) -> None:
         self.code, self.out, self.err = code, out, err
 

@@ -29,7 +29,6 @@ def built(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def build(target: Path, *options: str) -> Path:
-    """Build an FMU with the command, in a process of its own."""
     with pytest.MonkeyPatch.context() as patch:
         command = Command(patch, None, target)  # type: ignore[arg-type]
         assert command.in_fresh_process("build", "-o", target, *options).code == 0
