@@ -15,32 +15,18 @@ Step = float | tuple[float, Mapping[str, float]]
 
 @dataclass(frozen=True)
 class Fact:
-    """One row: what is the case, in which setting, and which outputs show it.
-
-    Attributes
-    ----------
-    statement
-        The fact.
-    values
-        Parameters, inputs and start values, those of the start left out.
-    steps
-        Lengths of the steps [s], with what changes at the beginning of a step.
-    expected
-        Outputs after the last steps from the exact setting: counts, states and zeros to the bit.
-    factor
-        What the rounding of the data, or of the arithmetic, is amplified by, and by output.
-    integrated
-        What the error of an integration is amplified by besides, and by output: theory (17).
-    why
-        Where the factor comes from, or why a side is left out.
-    """
-
     statement: str
+    # Parameters, inputs and start values, those of the start left out.
     values: Mapping[str, float]
+    # Lengths of the steps [s], with what changes at the beginning of a step.
     steps: Iterable[Step]
+    # Outputs after the last steps from the exact setting: counts, states and zeros to the bit.
     expected: Callable[[Exact], Expected | Sequence[Expected]]
+    # What the rounding of the data, or of the arithmetic, is amplified by, and by output.
     factor: float | Mapping[str, float] = 1.0
+    # What the error of an integration is amplified by besides, and by output: theory (17).
     integrated: float | Mapping[str, float] = 1.0
+    # Where the factor comes from, or why a side is left out.
     why: str = ""
     sides: Sequence[Side] = SIDES
     law: str = "coulomb"

@@ -32,21 +32,12 @@ class Setting:
 
 @dataclass(frozen=True)
 class Side:
-    """One of the four.
-
-    Attributes
-    ----------
-    rows
-        Gives every output at the end of every step.
-    accuracy
-        Relative error of a well-conditioned output.
-    integrates
-        Whether it integrates slips, so that the conditioning of docs/theory.md (17) counts.
-    """
-
     name: str
+    # Every output at the end of every step.
     rows: Callable[[Setting], Sequence[Row]]
+    # Relative error of a well-conditioned output.
     accuracy: float
+    # Whether slips are integrated, so that the conditioning of docs/theory.md (17) counts.
     integrates: bool = False
 
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any
 
 import pytest
 
@@ -12,19 +11,15 @@ from tests.facts.closed import MP, Exact
 from tests.facts.fact import Fact
 from tests.facts.sides import Setting, Side, each_side
 
-FACTS = (*coulomb.FACTS, *growing.FACTS, *curves.FACTS)
-
-
-def _tried() -> list[Any]:
-    return [
-        pytest.param(side.values[0], fact, id=f"{side.id}: {fact.statement}", marks=side.marks)
-        for fact in FACTS
-        for side in each_side(fact.sides)
-    ]
+TRIED = [
+    pytest.param(side.values[0], fact, id=f"{side.id}: {fact.statement}", marks=side.marks)
+    for fact in (*coulomb.FACTS, *growing.FACTS, *curves.FACTS)
+    for side in each_side(fact.sides)
+]
 
 
 @pytest.mark.filterwarnings("ignore::stickslip_ref.FrictionClampWarning")
-@pytest.mark.parametrize(("side", "fact"), _tried())
+@pytest.mark.parametrize(("side", "fact"), TRIED)
 def test_fact(side: Side, fact: Fact) -> None:
     rows = side.rows(Setting(fact.values, fact.segments, fact.law, fact.start_time))
     expected = fact.expected(Exact(fact.values))
