@@ -16,21 +16,12 @@ from stickslip_verification import truth
 from tests.facts import closed
 from tests.facts.closed import MP, Exact
 from tests.facts.coulomb import of_lambda
+from tests.facts.test_cycles import oscillator
 from tests.fmu.blocks import log_uniform
 
 EPS = 2.0**-52
 QUANTITIES = ("spring_drop", "delta_x", "t_slip", "t_stick", "T", "f", "x_dot_peak")
 Field = dict[str, NDArray[np.float64]]
-
-
-def machine(draw: Random) -> dict[str, float]:
-    mu_s = log_uniform(draw, 0.01, 1.5)
-    return {
-        "k": log_uniform(draw, 10.0, 1e8),
-        "m": log_uniform(draw, 1e-2, 1e4),
-        "mu_s": mu_s,
-        "mu_k": mu_s * (1.0 - log_uniform(draw, 1e-3, 1.0)),
-    }
 
 
 def assert_exact(values: Mapping[str, float], tolerance: float, exact: Mapping[str, Any]) -> None:
@@ -55,7 +46,7 @@ def test_an_undamped_cycle_is_exact_to_rounding_at_any_lambda(power: int) -> Non
 def test_damped_cycles_are_exact_and_exist_from_lambda_c_on() -> None:
     draw, seen = Random(11), 0
     for _ in range(60):
-        values, zeta = machine(draw), log_uniform(draw, 1e-9, 0.95)
+        values, zeta = oscillator(draw), log_uniform(draw, 1e-9, 0.95)
         values["c"] = 2.0 * zeta * math.sqrt(values["k"] * values["m"])
         d = log_uniform(draw, 2e-9, 0.9) * draw.choice([-1.0, 1.0, 1.0])
         edge = float(closed.critical_lambda(Exact(values).zeta))
