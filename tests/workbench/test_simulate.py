@@ -110,10 +110,6 @@ def test_the_table_shows_the_cycle_three_times_and_the_csv_every_output(
     assert (answer.code, answer.err) == (0, "")
     (jump,) = (line for line in answer.out.splitlines() if "jump of the mass" in line)
     assert jump.count("6.30536") == 2
-    assert "3.924" in jump
-    # 3.924 mm / 6.305 mm - 1
-    assert "-37.77 %" in jump
-    assert "…" not in answer.out
     assert answer.out.endswith("\nwritten: run.csv\n")
     table = read_csv(tmp_path / "run.csv")
     outputs = [variable.name for variable in TABLE.rows if variable.causality == "output"]

@@ -21,25 +21,16 @@ from tests.design import verdicts
 from tests.design.chunks.toy import Toy
 from tests.needs import needs
 from tests.workbench.running import Command
-from tests.workbench.test_refusals import AXIS
+from tests.workbench.test_refusals import AXIS, PLAN
 
 VK = ("--over", "v=1..900 mm/s log 12", "--over", "k=0.1..10 kN/m log 8", "--workers", "1")
-PLAN = """\
-stop_time = "2 s"
-step = "2 s"
-[parameters]
-k = "500..2000 N/m log 3"
-mu_s = [0.4, -1.0]
-[outputs]
-delta_x = "last"
-T = "last"
-"""
+SWEEP = PLAN.replace("[outputs]", "mu_s = [0.4, -1.0]\n[outputs]") + 'T = "last"\n'
 
 
 @pytest.fixture(autouse=True)
 def files(tmp_path: Path) -> None:
     (tmp_path / "axis.toml").write_text(AXIS, encoding="utf-8")
-    (tmp_path / "plan.toml").write_text(PLAN, encoding="utf-8")
+    (tmp_path / "plan.toml").write_text(SWEEP, encoding="utf-8")
 
 
 @needs("studies")
@@ -147,7 +138,7 @@ def test_a_swept_grid_is_zarr_with_its_failures(command: Command, fmu_path: Path
     assert "mu_s" in str(found["failure"].sel(mu_s=-1.0).values[0])
     assert "sweep" in found.attrs["command"]
     assert command(*sweep).code == 0
-    Path("plan.toml").write_text(PLAN.replace("0.4", "0.45"), encoding="utf-8")
+    Path("plan.toml").write_text(SWEEP.replace("0.4", "0.45"), encoding="utf-8")
     assert "--fresh" in command.refuses(*sweep)
     assert command(*sweep, "--fresh").code == 0
 
@@ -157,7 +148,7 @@ def test_swept_points_are_parquet_in_the_order_of_their_table(
     command: Command, fmu_path: Path
 ) -> None:
     Path("points.csv").write_text("k [N/mm], mu_s\n1, 0.5\n2, 0.6\n", encoding="utf-8")
-    head, _, outputs = PLAN.partition("[parameters]")
+    head, _, outputs = SWEEP.partition("[parameters]")
     text = head + 'points = "points.csv"\n' + outputs[outputs.index("[outputs]") :]
     Path("plan.toml").write_text(text, encoding="utf-8")
     command.passes("sweep", fmu_path, "plan.toml", "-o", "out", "--workers", 1)
