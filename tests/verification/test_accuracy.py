@@ -146,9 +146,6 @@ def test_a_velocity_that_is_the_mean_of_a_step_is_not_that_of_the_motion(mean: b
     assert comparisons.Solution(plain).mismatched is mean
 
 
-Slide = type[solvers.Slider]
-
-
 def without(*names: str) -> Callable[[Case], Case]:
     def ignore(case: Case) -> Case:
         kept = [{n: v for n, v in step.changes.items() if n not in names} for step in case.steps]
@@ -238,7 +235,7 @@ def test_a_cause_is_named_where_it_explains_all(
 )
 def test_what_an_output_shows_instead_is_named(other: Any, said: str | None) -> None:
     case, run = cases()["loaded"], runs_of(SOLVERS["RK45, 1e-06"])["loaded"]
-    got = replace(run, outputs={**run.outputs, "F": other(run.outputs["F"])})
+    got = changed(run, F=other(run.outputs["F"]))
     assert cause([Plain(case, ruler("loaded"), got, "F")], []) == said
 
 
@@ -328,7 +325,7 @@ def test_delta_is_by_how_much_the_data_are_off() -> None:
 @pytest.mark.gate
 def test_an_output_that_is_no_number_is_no_accuracy() -> None:
     run = SOLVERS["RK45, 0.001"].run(cases()["default"])
-    broken = replace(run, outputs={**run.outputs, "x": np.full_like(run.outputs["x"], np.nan)})
+    broken = changed(run, x=np.full_like(run.outputs["x"], np.nan))
     assert ruler("default").deviation(broken).delta == np.inf
 
 
