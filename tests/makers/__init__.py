@@ -107,18 +107,13 @@ class Foreign:
             for key, (name, _, sign, *_) in self.rows.items()
         ]
         (folder / f"{self.name}.toml").write_text("".join(lines), encoding="utf-8")
-        self._pack_python(folder)
-
-    def _units(self) -> dict[str, dict[str, float]]:
-        return {unit: vocabularies.UNITS[unit] for _, unit, *_ in self.rows.values() if unit}
-
-    def _pack_python(self, folder: Path) -> None:
         parts = []
         for part in ("foreign_block", "foreign_face", "step_block"):
             text = (HERE / f"{part}.py").read_text(encoding="utf-8")
             parts.append(folder / f"{part}.py")
             parts[-1].write_text(text.replace(f"from {__package__}.", "from "), encoding="utf-8")
-        settings = asdict(self) | {"rows": self.rows, "units": self._units()}
+        units = {unit: vocabularies.UNITS[unit] for _, unit, *_ in self.rows.values() if unit}
+        settings = asdict(self) | {"rows": self.rows, "units": units}
         package = "pythonfmu3" if self.fmi == 3 else "pythonfmu"
         # Modules of one name are one in a process, whatever FMU they come from.
         script = folder / f"face_of_{self.name.lower()}.py"
@@ -221,7 +216,6 @@ UNDAMPED = ("m", "g", "k", "mu_s", "mu_k", "v", *MOTION, "F_s", *COUNTS, *METER)
 SLIDER = Foreign("SliderMm", "mm", UNDAMPED, states=False, tunable=False)
 """Undamped: millimetres, the spring counted in compression, no states."""
 
-FAULTY = Foreign("SliderFaulty", "mm", UNDAMPED, states=False, fault="static friction high")
 _POOR = ("m", "g", "k", "mu_s", "mu_k", "v", "x", "F")
 POOR = Foreign("SliderPoor", "mm", _POOR, states=False, tunable=False)
 SLIDER_3 = Foreign("SliderSi", "si", UNDAMPED, fmi=3, tunable=False)
