@@ -61,6 +61,5 @@ def stick_seen(drawn: Setting, age: float) -> bool:
         ),
     ],
 )
-def test_the_block_does_what_is_said(numbers: range) -> None:
-    """Each motion that limits and cycle name at a speed is seen there, and no other one."""
+def test_each_motion_that_is_said_is_seen_and_no_other_one(numbers: range) -> None:
     assert [text for number in numbers for text in disagreements(setting(number))] == []
