@@ -43,14 +43,13 @@ def test_two_builds_are_the_same_bytes(built: Path, tmp_path: Path) -> None:
 
 def test_the_report_names_the_content_it_judged(built: Path, tmp_path: Path) -> None:
     bare = build(tmp_path / "bare.fmu", "--bare")
+    folder = tmp_path / "unpacked"
     with zipfile.ZipFile(built) as archive:
         report = archive.read(FOLDER + "report.html").decode()
+        archive.extractall(folder)
     (named,) = re.findall(r"<code>([0-9a-f]{64})</code>", report)
     assert named == content_digest(built) == content_digest(bare)
     (line,) = re.findall(r"<pre><code>(.*)</code></pre>", report)
-    folder = tmp_path / "unpacked"
-    with zipfile.ZipFile(built) as archive:
-        archive.extractall(folder)
     shell = line.replace("&#39;", "'").replace("&lt;", "<").replace("&gt;", ">")
     said = run("sh", "-c", shell, cwd=folder)
     assert said.stdout.split()[0] == named
