@@ -55,7 +55,7 @@ REFUSED: list[tuple[str, Mapping[str, float], str]] = [
     ("coulomb", {"mu_k": math.nan}, "mu_k = nan"),
     ("coulomb", {"v": math.inf}, "v = inf"),
     ("coulomb", {"F_ext": math.nan}, "F_ext = nan"),
-    ("coulomb", {"load": -9.82}, "load = -9.82 .*-9.81"),
+    ("coulomb", {"load": -9.82}, "load = -9.82 .*-m g = -9.81"),
     ("coulomb", {"x_start": -math.inf}, "x_start = -inf"),
     ("coulomb", {"tau_s": -1.0}, "tau_s = -1.0"),
     ("coulomb", {"B": -0.5}, "B = -0.5"),
