@@ -172,7 +172,6 @@ def fmu(request: pytest.FixtureRequest) -> Path:
 
 @pytest.fixture(scope="session")
 def host() -> Iterator[Host]:
-    """Give a process that has FMUs and not the project, the same for all tests."""
     host = Host()
     yield host
     host.end()
@@ -180,7 +179,6 @@ def host() -> Iterator[Host]:
 
 @pytest.fixture
 def fresh_host() -> Iterator[Host]:
-    """Give such a process in which nothing was loaded before."""
     host = Host()
     yield host
     host.end()

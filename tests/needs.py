@@ -94,10 +94,6 @@ def needs(*names: str) -> pytest.MarkDecorator:
 
 
 def each(names: Iterable[str]) -> list[object]:
-    """Return values of a parameter, each with the mark that it is needed where it may be missing.
-
-    A name that is not in `NEEDS` is always there.
-    """
     return [pytest.param(name, marks=needs(name)) if name in NEEDS else name for name in names]
 
 

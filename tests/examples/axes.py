@@ -54,7 +54,6 @@ class Axis(SimpleNamespace):
 
     @property
     def designed(self) -> design.Axis:
-        """The axis as the design tool has it; it has no set point."""
         filters = []
         if self.low_pass:
             filters.append(design.low_pass(self.low_pass, self.low_pass_damping or math.inf))

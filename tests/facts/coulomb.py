@@ -16,7 +16,6 @@ ULP = 2.0**-52
 
 
 def _first(values: Mapping[str, float], cycles: float) -> float:
-    """Return the time in the middle of a slip, some cycles after the first [s]."""
     p = Exact(values)
     steady = cycle(p)
     return float(

@@ -72,7 +72,6 @@ def _motion(
 
 
 def _falling(mu: float, slope: float) -> Points:
-    """Return the curve that falls straight from `mu` to 0, by `slope` [s/m]."""
     return [(0.0, mu), (mu / slope, 0.0)]
 
 

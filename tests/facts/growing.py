@@ -24,13 +24,11 @@ GROWTHS: dict[str, dict[str, float]] = {
 
 
 def _magnified(p: Exact, age: Real) -> float:
-    """Return by what the growth at the end of a stick magnifies its rounding."""
     pull = p.k * abs(p.v)
     return float(pull / (pull - p.growing(age)))
 
 
 def _cycles(p: Exact, count: int) -> list[tuple[Real, Real, Slip]]:
-    """Return the first sticks, relaxed at the start: their lengths, what they hold, their slips."""
     ahead, begin, cycles = p.but(v=abs(float(p.v))), MP.zero, []
     for _ in range(count):
         stick = p.stick(begin)

@@ -59,10 +59,6 @@ def undamped(count: int) -> Iterator[tuple[Values, Random]]:
 
 
 def damped(count: int) -> Iterator[tuple[Values, float, Random]]:
-    """Draw zeta 1e-4..3 on both sides of lambda_c, each with d = lambda/lambda_c - 1.
-
-    From zeta = 1 on there is no cycle at any lambda: there d is -1.
-    """
     for n in range(count):
         draw = Random(f"damped {n}")
         p, zeta = oscillator(draw), log_uniform(draw, 1e-4, 3.0)

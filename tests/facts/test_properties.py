@@ -83,7 +83,6 @@ def assert_same_motion(one: Sequence[Row], other: Sequence[Row], tolerance: floa
 
 
 def cut(setting: Setting, generator: Random, most: int = 40) -> tuple[Setting, list[int]]:
-    """Return a setting in random steps, tiny ones among them, and which of them end a segment."""
     segments: list[Segment] = []
     ends = []
     for segment in setting.segments:

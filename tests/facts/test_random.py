@@ -57,7 +57,6 @@ def motion(setting: Setting, digits: int, part: float = 0.0) -> truth.Run:
 
 
 def conditioning(setting: Setting) -> float:
-    """Return mu_s/(mu_s - least mu in slip), the largest in the run."""
     values, largest = {**START, **setting.values}, 1.0
     law = truth.friction_law(setting.law)
     values |= {each.name: values.get(each.name, each.start) for each in law.parameters}

@@ -66,7 +66,6 @@ def _places(tree: Any, name: str = "") -> Iterator[tuple[Any, Any, str]]:
 
 
 def spoilt(path: str) -> tuple[int, list[str]]:
-    """Spoil a state in every place; return how often, and which were taken or met another error."""
     instance = loaded(path).started(c=0.5)
     instance.step(0.02, times=30)
     state = json.loads(instance.pack())
@@ -258,7 +257,6 @@ def flags_of_a_step(path: str, h: float) -> list[Any]:
 
 
 def printed_log(path: str) -> list[str]:
-    """Return the log of a run, its messages read by C's printf as simulators written in C do."""
     texts: list[str] = []
     fmpy.simulate_fmu(
         path,

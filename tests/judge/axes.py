@@ -72,7 +72,6 @@ class Seen:
 
 
 def quantity(value: str | float, ratio: float = 1.0) -> float:
-    """Return a quantity in SI at the slide; `ratio` is 2 pi / pitch [1/m]."""
     amount, _, unit = str(value).partition("±")[0].strip().partition(" ")
     scale, power = AT_MOTOR.get(unit) or (UNITS[unit], 0)
     return float(amount) * scale * ratio**power

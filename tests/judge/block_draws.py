@@ -55,7 +55,6 @@ class Setting:
 
 
 def setting(number: int) -> Setting:
-    """Return the block of a number: kinds by turns, speeds far below and above what matters."""
     draw = Random(f"judge of blocks {number}")
     kind = ("coulomb", "dwell", "dwell reversing", "formula", "curve")[number % 5]
     p = {"m": log_uniform(draw, 0.1, 1e3), "mu_s": log_uniform(draw, 0.05, 1.5)}

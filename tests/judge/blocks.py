@@ -57,7 +57,6 @@ class Seen:
 
 
 def judged(drawn: Setting) -> list[tuple[Seen, int]]:
-    """Return the motions of a block with their numbers of starts, first the one from rest."""
     ends = [seen(drawn, start) for start in starts(drawn)]
     different: list[Seen] = []
     for end in ends:
@@ -113,7 +112,6 @@ class _Watch:
         return _Sample(*self.instance.get(*_Sample._fields))
 
     def _breaks_away(self) -> bool:
-        """Make a step that holds the end of one slip at most; tell whether a slip begins in it."""
         before, h = self.now, self.period / 4.0
         if before.mode == 0:
             # What holds never falls while the mass rests.

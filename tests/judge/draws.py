@@ -21,7 +21,6 @@ FASTEST = 0.5
 
 
 def axis(number: int, seed: int = 1) -> Tables:
-    """Return the axis of a number with two feeds: rigid and servo, and the laws, by turns."""
     draw = Random(f"judge of axes {seed} {number}")
     while True:
         m, w = log_uniform(draw, 50.0, 5e3), 2.0 * math.pi * log_uniform(draw, 20.0, 150.0)

@@ -177,7 +177,6 @@ class ForeignBlock:
         return 1 if self.driving > 0.0 else -1
 
     def _begin_arc(self, net: float | None = None) -> None:
-        """Begin an arc at the present state; `net` is the net force of a slip, if known better."""
         if net is None:
             net = self.driving - self.mode * self.mu_k * self.normal
         self.arc = {"x": self.x, "z": self.z, "u": self.u, "net": net, "age": 0.0}
