@@ -16,19 +16,10 @@ from packaging.requirements import Requirement
 from tests.needs import needs
 from tests.python import python, run
 from tests.sharing import made_once
+from tests.test_architecture import FOLDERS
 
 ROOT = Path(__file__).parents[1]
-PACKAGES = (
-    "fmi",
-    "stickslip",
-    "stickslip_design",
-    "stickslip_fmu",
-    "stickslip_native",
-    "stickslip_ref",
-    "stickslip_score",
-    "stickslip_units",
-    "stickslip_verification",
-)
+PACKAGES = sorted(FOLDERS)
 
 # What may lead a Python to the source tree or to the environment of the tests.
 LEADS = ("PYTHON", "VIRTUAL_ENV", "COVERAGE_")
