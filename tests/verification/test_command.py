@@ -31,16 +31,8 @@ def test_own_faults_can_be_tried(
     text = re.sub(r"detected_by = \[.*?\]", f'detected_by = ["{foretold}"]', text, flags=re.S)
     mine = tmp_path / "mine.toml"
     mine.write_text(text, encoding="utf-8")
-    arguments = [
-        "faults",
-        str(fmu_path),
-        str(mine),
-        "--cases",
-        "default",
-        "-o",
-        str(tmp_path / "r"),
-    ]
-    assert main(arguments) == code
+    arguments = ("faults", fmu_path, mine, "--cases", "default", "-o", tmp_path / "r")
+    assert main(list(map(str, arguments))) == code
     assert words in capsys.readouterr().out
     assert "mine" in (tmp_path / "r" / "index.html").read_text(encoding="utf-8")
 
