@@ -331,6 +331,8 @@ def _add_equations(
     for variable in variables:
         if variable.get("name") in states:
             variable.set("derivative", states[variable.attrib["name"]])
+        if variable.get("name") in equations.states:
+            variable.set("reinit", "true")
     depends = {
         references[name]: " ".join(sorted((references[on] for on in knowns), key=int))
         for name, knowns in equations.depends.items()

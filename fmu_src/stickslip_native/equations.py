@@ -40,7 +40,7 @@ EQUATIONS = Equations(
         "z_dot": ("x_dot", "v"),
         "P_pull": ("z", "v"),
         "P_friction": ("x_dot", "load"),
-        "to_event_1": _FORCES,
+        "to_event_1": (*_FORCES, "v"),
         "to_event_2": _FORCES,
     },
 )

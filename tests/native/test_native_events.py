@@ -29,6 +29,25 @@ def test_a_step_stops_at_the_times_of_the_reference() -> None:
     assert np.subtract(stops, BEGIN)[: len(times)] == pytest.approx(times, rel=1e-12)
 
 
+@pytest.mark.parametrize(
+    ("start", "step", "z_start", "stop"),
+    [
+        (0.0, 0.1, 0.004905, 0.0),
+        (-0.24525, 1.0, 0.0, 0.0),
+        (0.0, 1e9, 0.0, 0.24525),
+        (0.0, 1e15, 0.0, 0.24525),
+    ],
+)
+def test_a_step_finds_its_event_however_small_or_large_times_are(
+    start: float, step: float, z_start: float, stop: float
+) -> None:
+    instance = loaded(built("native-3")).instance(early=True)
+    instance.start(start, z_start=z_start)
+    assert instance.step_to_event(step) == (False, True)
+    assert instance.time == pytest.approx(stop, rel=1e-15, abs=1e-16)
+    assert instance.get("mode") == [1]
+
+
 def test_fmpy_records_both_limits_of_an_event() -> None:
     outputs = ["mode", "F_friction", "F_s", "x_dot"]
     modes = {"use_event_mode": True, "early_return_allowed": True}

@@ -213,14 +213,15 @@ static struct sum elapsed_at(struct sum elapsed, double time, double step, doubl
     return sum_with(sum_with(elapsed, since.high), since.low);
 }
 
-/* The first time from `then` [s] on at which the arc is over. */
-static double time_over(const struct arc *arc, struct sum elapsed, double time, double step,
-                        double then)
+/* The first time at which the arc is over, which it is at time + step [s] or later. */
+static double time_over(const struct arc *arc, struct sum elapsed, double time, double step)
 {
-    struct sum left;
-    while (!is_over(arc, elapsed_at(elapsed, time, step, then), &left))
-        then = nextafter(then, HUGE_VAL);
-    return then;
+    struct sum left = sum_with(elapsed, -arc->duration), exact = sum_with((struct sum){time, 0.0}, step);
+    exact = sum_with(sum_with(exact, -left.high), -left.low);
+    double then = exact.high, more = 0.0;
+    while (!is_over(arc, elapsed_at(elapsed, time, step, then + more), &left))
+        more = more > 0.0 ? 2.0 * more : nextafter(then, HUGE_VAL) - then;
+    return then + more;
 }
 
 /* Move on by one step that may begin with other settings or hold transitions; no further than to
@@ -251,7 +252,7 @@ static enum refusal advance_through(struct block *block, double time, double ste
         if (stop != NULL && block->mode != before.mode) {
             *block = before;
             stop->event = true;
-            const double over = time_over(&block->arc, elapsed, time, step, then);
+            const double over = time_over(&block->arc, elapsed, time, step);
             if (over < stop->time) {
                 elapsed = elapsed_at(elapsed, time, step, over);
                 stop->time = over;
@@ -305,6 +306,9 @@ enum refusal block_settle(struct block *block, double time)
         if (refused != ACCEPTED) return refused;
         block->elapsed = left;
     }
+    /* What is set where an arc begins acts on its beginning, not a rounding later. */
+    if (block->changed && block->elapsed.high <= 2.0 * DBL_EPSILON * fabs(time))
+        block->elapsed = ZERO;
     const enum refusal refused = begin(block, time);
     if (refused != ACCEPTED) return refused;
     block->horizon = block->arc.duration;
@@ -319,7 +323,7 @@ double block_next_event(const struct block *block, double time)
         const struct arc arc = next.arc;
         if (arc.duration > DBL_MAX || pass_event(&next, time) != ACCEPTED) break;
         if (next.mode != block->mode)
-            return time_over(&arc, elapsed, time, 0.0, time + (arc.duration - elapsed.high));
+            return time_over(&arc, elapsed, time, 0.0);
         elapsed = sum_with(elapsed, -arc.duration);
     }
     return HUGE_VAL;

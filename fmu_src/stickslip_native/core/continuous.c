@@ -14,6 +14,8 @@ static const double FOUND = 1e-10, TOLD = 1e-3;
 /* How close to a time that was told an importer comes, relative to it. */
 static const double ROUNDING = 1e-9;
 
+static const double NO_OWN[MOST_OWN] = {0.0};
+
 static double extension(const struct continuous *it)
 {
     return it->states[STATE_Z];
@@ -137,14 +139,18 @@ static int breaks_away(const struct continuous *it, const struct block *block, b
     const double along = force != 0.0 ? force : settings->v;
     const int sign = along > 0.0 ? 1 : -1;
     if (direction != 0 || (sign * settings->v <= 0.0 && !it->moved)) return direction;
-    return hold - fabs(force) <= (told ? TOLD : FOUND) * hold ? sign : 0;
+    if (hold > 0.0) return hold - fabs(force) <= (told ? TOLD : FOUND) * hold ? sign : 0;
+    /* Without a force to break away at, the mass rests as long as that grows faster than the pull. */
+    struct arc stick;
+    const enum refusal refused =
+        LAW.begin(&block->friction, 0, extension(it), 0.0, 0.0, NO_OWN, &stick);
+    return refused == ACCEPTED && stick.duration > 0.0 ? 0 : sign;
 }
 
 /* Begin an arc where the solver stands, at rest for so long where the mode is 0. */
 static enum refusal begin_arc(const struct continuous *it, struct block *block, int mode,
                               double age)
 {
-    static const double NO_OWN[MOST_OWN] = {0.0};
     const enum refusal refused = LAW.begin(&block->friction, mode, extension(it),
                                            it->states[STATE_X_DOT], age, NO_OWN, &block->arc);
     block->mode = block->arc.mode;
@@ -160,7 +166,8 @@ static enum refusal break_away(struct continuous *it, struct block *block, int d
     const struct settings *settings = &friction->settings;
     const double hold = hold_of(it, block), gap = friction->gap + (hold - friction->F_s);
     double net = force_of(it, block) - direction * friction->kinetic;
-    if (told || direction * force_of(it, block) <= hold) {
+    const double beyond = direction * force_of(it, block) - hold;
+    if (beyond <= (told ? TOLD * hold : 0.0)) {
         it->states[STATE_Z] = (direction * hold - settings->F_ext) / settings->k;
         net = direction * gap;
     }
@@ -204,7 +211,8 @@ enum refusal continuous_update(struct continuous *it, struct block *block)
     const double k = block->friction.settings.k, time = it->time, z = extension(it);
     const double x_dot = it->states[STATE_X_DOT];
     const int mode = block->mode;
-    const bool told = !it->moved && time + ROUNDING * fabs(time) >= it->due;
+    const double early = fmin(ROUNDING * fabs(time), TOLD * (it->due - it->entered));
+    const bool told = !it->moved && time + early >= it->due;
     const bool changed = is_set(it, block) || it->moved || !block->started;
     if (time == it->entered && !changed && !told) return ACCEPTED;
     enum refusal refused = continuous_adopt(block);

@@ -216,7 +216,7 @@ static bool can_hold(const struct saved *it)
     for (int n = 0; n < VARIABLES; n++) {
         if (ROWS[n].discrete < 0) continue;
         const double value = it->held[ROWS[n].discrete];
-        if (!it->holds && value != 0.0) return false;
+        if (it->holds ? !in_range(&ROWS[n], value) : value != 0.0) return false;
         if (ROWS[n].kind == BOOLEAN && value != 0.0 && value != 1.0) return false;
         if (ROWS[n].kind == INTEGER && !(fabs(value) <= INT32_MAX && value == trunc(value)))
             return false;

@@ -183,7 +183,7 @@ STICKSLIP_EXPORT fmi3Status FMI3(fmi3UpdateDiscreteStates)(
     if (!instance_update(it, next_event)) return fmi3Error;
     *next_event_defined = *next_event < DBL_MAX;
     /* A solver that is not told so goes on with what it knew of the arc before. */
-    *values_changed = it->solves;
+    *values_changed = *nominals_changed = it->solves;
     return fmi3OK;
 }
 
@@ -221,7 +221,9 @@ STICKSLIP_EXPORT fmi3Status FMI3(fmi3CompletedIntegratorStep)(
     STICKSLIP_EXPORT fmi3Status FMI3(NAME)(fmi3Instance instance, CONST fmi3Float64 values[],      \
                                            size_t count)                                           \
     {                                                                                              \
-        return status_of(FUNCTION(instance, #NAME, values, count));                                \
+        const struct instance *it = instance;                                                      \
+        if (FUNCTION(instance, #NAME, values, count)) return fmi3OK;                               \
+        return it != NULL && it->discards ? fmi3Discard : fmi3Error;                               \
     }
 
 #define COUNT(NAME, SIZE)                                                                          \

@@ -383,6 +383,14 @@ static enum refusal adopt(struct instance *it)
     return it->now.phase == CONTINUOUS ? continuous_adopt(&it->now.block) : ACCEPTED;
 }
 
+/* The block under the settings last set, which in event mode act on what is read and no more. */
+static struct block *acting(struct instance *it, struct block *scratch)
+{
+    if (it->now.phase != EVENT_MODE || !it->now.block.changed) return &it->now.block;
+    *scratch = it->now.block;
+    return continuous_adopt(scratch) == ACCEPTED ? scratch : &it->now.block;
+}
+
 static enum sort sort_of(const struct row *row)
 {
     if (row->enumeration) return SORT_ENUMERATION;
@@ -416,12 +424,13 @@ static struct continuous equations_of(const struct instance *it)
     return made;
 }
 
-static double of_equations(const struct instance *it, uint32_t reference)
+static double of_equations(struct instance *it, uint32_t reference)
 {
     double values[STATES + INDICATORS];
+    struct block scratch;
     const struct continuous equations = equations_of(it);
-    continuous_rates(&equations, &it->now.block, values);
-    continuous_indicators(&equations, &it->now.block, values + STATES);
+    continuous_rates(&equations, acting(it, &scratch), values);
+    continuous_indicators(&equations, acting(it, &scratch), values + STATES);
     return values[reference - VARIABLES];
 }
 
@@ -480,10 +489,12 @@ bool instance_get(struct instance *it, const struct type *type, const uint32_t r
     enum refusal refused = ACCEPTED;
     if (has(type, reference)) {
         if (it->now.solved && !ROWS[reference].settable) {
+            struct block scratch;
             refused = adopt(it);
-            if (refused == ACCEPTED)
-                refused = continuous_read(&it->now.solver, &it->now.block,
-                                          (enum reference)reference, value);
+            if (refused == ACCEPTED) {
+                struct block *block = acting(it, &scratch);
+                refused = continuous_read(&it->now.solver, block, (enum reference)reference, value);
+            }
             return refused == ACCEPTED || refuse_get(it, type, references, count, refused);
         }
         if (it->now.holds && ROWS[reference].discrete >= 0) {
@@ -612,6 +623,7 @@ static bool array(struct instance *it, const char *call, const void *values, siz
     char reason[MESSAGE_SIZE];
     if (!solving(it, call) || !instance_given(it, call, "the list of values", values))
         return false;
+    it->discards = false;
     if (count != expected) {
         snprintf(reason, sizeof reason, "%s: there are %lu values, not %lu", call,
                  (unsigned long)expected, (unsigned long)count);
@@ -620,6 +632,18 @@ static bool array(struct instance *it, const char *call, const void *values, siz
     if (!it->now.settled && !start_block(it)) return false;
     const enum refusal refused = adopt(it);
     return refused == ACCEPTED || refuse(it, refused, 0.0, 0.0);
+}
+
+/* Whether all values are finite; if not the call is discarded, and a solver may try others. */
+static bool all_finite(struct instance *it, const char *call, const double values[], size_t count)
+{
+    char reason[MESSAGE_SIZE];
+    for (size_t n = 0; n < count; n++)
+        if (!isfinite(values[n])) it->discards = true;
+    if (!it->discards) return true;
+    snprintf(reason, sizeof reason, "%s: a value is not finite", call);
+    instance_tell(it, STATUS_DISCARD, reason);
+    return false;
 }
 
 bool instance_get_states(struct instance *it, const char *call, double values[], size_t count)
@@ -634,8 +658,7 @@ bool instance_set_states(struct instance *it, const char *call, const double val
                          size_t count)
 {
     if (!array(it, call, values, count, STATES) || !require(it, CONTINUOUS, call)) return false;
-    for (int n = 0; n < STATES; n++)
-        if (!isfinite(values[n])) return refuse(it, NOT_FINITE, 0.0, 0.0);
+    if (!all_finite(it, call, values, count)) return false;
     memcpy(it->now.solver.states, values, sizeof it->now.solver.states);
     return true;
 }
@@ -643,9 +666,10 @@ bool instance_set_states(struct instance *it, const char *call, const double val
 bool instance_get_rates(struct instance *it, const char *call, double values[], size_t count)
 {
     if (!array(it, call, values, count, STATES)) return false;
+    struct block scratch;
     const struct continuous equations = equations_of(it);
-    continuous_rates(&equations, &it->now.block, values);
-    return true;
+    continuous_rates(&equations, acting(it, &scratch), values);
+    return all_finite(it, call, values, count);
 }
 
 bool instance_get_nominals(struct instance *it, const char *call, double values[], size_t count)
@@ -659,9 +683,10 @@ bool instance_get_indicators(struct instance *it, const char *call, double value
                              size_t count)
 {
     if (!array(it, call, values, count, INDICATORS)) return false;
+    struct block scratch;
     const struct continuous equations = equations_of(it);
-    continuous_indicators(&equations, &it->now.block, values);
-    return true;
+    continuous_indicators(&equations, acting(it, &scratch), values);
+    return all_finite(it, call, values, count);
 }
 
 /* States. */

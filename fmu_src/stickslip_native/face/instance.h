@@ -52,6 +52,7 @@ struct instance {
     bool has_events;                  /* whether event mode is used */
     bool stops;                       /* whether a step may end early */
     bool solves;                      /* whether it is one for model exchange */
+    bool discards;                    /* whether its last call for a solver was discarded */
     bool logs_warnings, logs_errors;  /* which messages the simulator wants */
     struct remark warned_of[MOST_REMARKS];
     const struct version *version;
