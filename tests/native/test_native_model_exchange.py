@@ -55,16 +55,11 @@ def test_no_cycle_is_lost_near_the_critical_velocity(below: float) -> None:
     assert (stepped["n_slips"][-1] > 20) == (below > 0.0)
 
 
-@pytest.mark.parametrize(
-    "start",
-    [{"tau_s": 0.2, "mu_k": 0.0, "mu_s": 0.3, "k": 100.0, "m": 5.0}, {"mu_s": 0.0, "B": 0.05}],
-)
-def test_a_mass_that_needs_no_force_to_break_away_rests_while_that_grows(
-    start: dict[str, float],
-) -> None:
-    given = {"stop_time": 5.0, "output_interval": 0.1, "start_values": start}
+def test_a_mass_that_needs_no_force_to_break_away_rests_while_that_grows() -> None:
+    start = {"tau_s": 0.2, "mu_k": 0.0, "mu_s": 0.3, "k": 100.0, "m": 5.0, "c": 2.0}
+    given = {"stop_time": 10.0, "output_interval": 0.1, "start_values": start}
     stepped, solved = both(built("native-3"), 1e-8, **given)
-    assert stepped["n_slips"][-1] == pytest.approx(solved["n_slips"][-1], abs=1)
+    assert solved["n_slips"][-1] == stepped["n_slips"][-1] == 3
     assert np.abs(solved["x"] - stepped["x"]).max() < 1e-6
 
 
