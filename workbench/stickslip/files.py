@@ -2,6 +2,8 @@
 
 import os
 import stat
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Final
 
@@ -21,7 +23,7 @@ def write(target: Path, content: bytes, option: str) -> None:
     from stickslip_verification import replacing
 
     check_writable(target, option)
-    try:
+    with refused(target, option):
         descriptor = _own_descriptor(target)
         if descriptor is not None:
             # Opened by name, a redirected output would begin again at its first byte.
@@ -32,18 +34,14 @@ def write(target: Path, content: bytes, option: str) -> None:
         else:
             with replacing(target.resolve()) as stream:
                 stream.write(content)
-    except OSError as error:
-        raise _cannot_write(target, option, _reason(error)) from error
 
 
 def check_writable(target: Path, option: str) -> None:
     """Raise a `CommandError` unless `target` can be written: known before a long run, not after."""
-    try:
+    with refused(target, option):
         obstacle = _obstacle(target)
-    except OSError as error:
-        obstacle = _reason(error)
-    if obstacle is not None:
-        raise _cannot_write(target, option, obstacle)
+        if obstacle is not None:
+            raise OSError(0, obstacle)
 
 
 def check_drawable(target: Path, option: str) -> None:
@@ -93,17 +91,16 @@ def _is_special(target: Path) -> bool:
 
 def make_folder(folder: Path, option: str) -> None:
     """Make `folder` and those above it where they are missing; `CommandError` if it cannot be."""
-    try:
+    with refused(folder, option, "make the folder"):
         folder.mkdir(parents=True, exist_ok=True)
+
+
+@contextmanager
+def refused(target: Path | str, option: str, what: str = "write the file") -> Iterator[None]:
+    """Make a `CommandError` of the `OSError` of the block; it names `option` and `target`."""
+    try:
+        yield
     except OSError as error:
-        message = f"{option} {folder}: cannot make the folder: {_reason(error)}"
-        raise CommandError(message) from error
-
-
-def _cannot_write(target: Path, option: str, reason: str) -> CommandError:
-    return CommandError(f"{option} {target}: cannot write the file: {reason}")
-
-
-def _reason(error: OSError) -> str:
-    # The text of the error itself may name the temporary file.
-    return error.strerror or type(error).__name__
+        # The text of the error itself may name the temporary file.
+        reason = error.strerror or type(error).__name__
+        raise CommandError(f"{option} {target}: cannot {what}: {reason}") from error

@@ -9,56 +9,46 @@ import threading
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from types import FrameType
-from typing import TYPE_CHECKING, Self, TextIO
-
-if TYPE_CHECKING:
-    from rich.progress import Progress
 
 _PATIENCE = 1.0
 """Seconds that pass before progress is shown."""
 
 
-class Meter:
-    """A progress bar that appears after a second of work in its `with` block."""
+@contextmanager
+def meter(description: str) -> Iterator[Callable[..., None]]:
+    """Show a progress bar once the work in the block has taken a second.
 
-    def __init__(self, description: str) -> None:
-        # What an engine writes on standard error is caught while it runs; this is the terminal.
-        self._bar = _bar(sys.stderr) if sys.stderr.isatty() else None
-        if self._bar is not None:
-            self._task = self._bar.add_task(description, total=None)
-            self._timer = threading.Timer(_PATIENCE, self._bar.start)
-            self._timer.daemon = True
-
-    def __enter__(self) -> Self:
-        if self._bar is not None:
-            self._timer.start()
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        if self._bar is not None:
-            self._timer.cancel()
-            # It may be about to show the bar.
-            self._timer.join()
-            self._bar.stop()
-
-    def advance(self, done: float, total: float | None, description: str | None = None) -> None:
-        """Say how far the work is: `done` of `total` if known, and on what it is now."""
-        if self._bar is not None:
-            self._bar.update(self._task, completed=done, total=total, description=description)
-
-
-def _bar(terminal: TextIO) -> "Progress":
+    It yields a function of how much is done, of how much if that is known (else None), and of what
+    is being done, where that is not `description`.
+    """
+    if not sys.stderr.isatty():
+        yield lambda done, total, now=None: None
+        return
     from rich.console import Console
     from rich.progress import Progress, TimeElapsedColumn
 
-    return Progress(
+    bar = Progress(
         *Progress.get_default_columns(),
         TimeElapsedColumn(),
-        console=Console(file=terminal),
+        # What an engine writes on standard error is caught while it runs; this is the terminal.
+        console=Console(file=sys.stderr),
         transient=True,
         redirect_stdout=False,
         redirect_stderr=False,
     )
+    task = bar.add_task(description, total=None)
+    timer = threading.Timer(_PATIENCE, bar.start)
+    timer.daemon = True
+    timer.start()
+    try:
+        yield lambda done, total, now=None: bar.update(
+            task, completed=done, total=total, description=now
+        )
+    finally:
+        timer.cancel()
+        # It may be about to show the bar.
+        timer.join()
+        bar.stop()
 
 
 @contextmanager

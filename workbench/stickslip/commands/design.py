@@ -37,7 +37,7 @@ def design(
         )
     from stickslip.files import check_writable, write
     from stickslip.judgements import design as designed
-    from stickslip.progress import Meter
+    from stickslip.progress import meter
 
     report = output or Path(axis.with_suffix(".html").name)
     targets = {report: "--output"} | ({} if json is None else {json: "--json"})
@@ -47,7 +47,7 @@ def design(
         check_writable(target, option)
     if json is not None and report.resolve() == json.resolve():
         raise CommandError(f"--json {json}: the report goes there; name another file")
-    with Meter("Studying the axis"):
+    with meter("Studying the axis"):
         found = designed(axis)
         texts = {report: found.html()} | ({} if json is None else {json: found.to_json() + "\n"})
     for target, text in texts.items():

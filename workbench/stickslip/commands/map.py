@@ -63,6 +63,7 @@ def map(  # noqa: A001 - the name of the command
 
 def _show(dataset: "xarray.Dataset", folder: str) -> None:
     """Write picture and page beside the dataset, and print what the map says."""
+    from stickslip.files import refused
     from stickslip_design.chunks.store import Store
     from stickslip_design.maps.page import MOST_SLICES, page, picture
     from stickslip_design.maps.study import FILE
@@ -76,9 +77,7 @@ def _show(dataset: "xarray.Dataset", folder: str) -> None:
     }
     store = Store(folder)
     for name, content in files.items():
-        try:
+        with refused(folder, "-o", f"write {name}"):
             store.write(name, content)
-        except OSError as error:
-            raise CommandError(f"-o {folder}: cannot write {name}: {error.strerror}") from error
     print("\n".join(told))
     print("files:", ", ".join(f"{folder}/{name}" for name in (FILE, *files)))

@@ -42,18 +42,14 @@ def built(target: Path, option: str, **options: Any) -> Path:
 
     The options are those of `library.build`.
     """
-    from stickslip.files import check_writable
+    from stickslip.files import check_writable, refused
     from stickslip.library import build
-    from stickslip.progress import Meter
+    from stickslip.progress import meter
 
     if target.suffix == ".fmu" and target.parent.is_dir():
         check_writable(target, option)
-    with Meter("Building the FMU"):
-        try:
-            return build(target, **options)
-        except OSError as error:
-            reason = error.strerror or str(error)
-            raise CommandError(f"{option} {target}: cannot write the FMU: {reason}") from error
+    with meter("Building the FMU"), refused(target, option, "write the FMU"):
+        return build(target, **options)
 
 
 def current_fmu(law: str = COULOMB) -> Path:
@@ -88,6 +84,7 @@ def tell_of(fmu: Path) -> None:
 def pack_evidence(fmu: Path, verdict: "Verdict", option: str) -> None:
     """Put the evidence into the FMU that was judged, which `option` named."""
     from fmi.packer import add
+    from stickslip.files import refused
     from stickslip.handbook.evidence import evidence
     from stickslip_verification.drive.description import content_digest
     from stickslip_verification.drive.instance import FmuFile
@@ -98,11 +95,8 @@ def pack_evidence(fmu: Path, verdict: "Verdict", option: str) -> None:
     file = FmuFile(fmu)
     law = law_of(file)
     file.close()
-    try:
+    with refused(fmu, option, "write the FMU"):
         add(fmu, evidence(fmu, verdict, law))
-    except OSError as error:
-        reason = error.strerror or str(error)
-        raise CommandError(f"{option} {fmu}: cannot write the FMU: {reason}") from error
 
 
 def hand_out(text: str, target: Path | None, option: str, then: str = "") -> None:
@@ -121,16 +115,11 @@ def hand_out(text: str, target: Path | None, option: str, then: str = "") -> Non
 @contextlib.contextmanager
 def long_work(what: str) -> Iterator[Callable[[str, int, int], None]]:
     """Show the progress of long work that is done in other processes."""
-    from stickslip.progress import Meter
+    from stickslip.progress import meter
 
-    with Meter(what) as meter:
-
-        def show(now: str, done: int, total: int) -> None:
-            meter.advance(done, total or None, now)
-
-        # What an FMU warns of belongs to its cases; on the terminal it would cut the progress.
-        with contextlib.redirect_stderr(io.StringIO()):
-            yield show
+    # What an FMU warns of belongs to its cases; on the terminal it would cut the progress.
+    with meter(what) as advance, contextlib.redirect_stderr(io.StringIO()):
+        yield lambda now, done, total: advance(done, total or None, now)
 
 
 MOST_POINTS = 10**9
@@ -144,7 +133,7 @@ def computed(study: "Study", folder: str | None, computing: Computing, described
     done, as progress shows it: "Computing the map". `CommandError` if options do not go together,
     `StudyError` if the study cannot be computed to its end.
     """
-    from stickslip.progress import Meter
+    from stickslip.progress import meter
     from stickslip_design.chunks import run
 
     workers, cluster, fresh = computing.workers, computing.cluster, computing.fresh
@@ -153,13 +142,13 @@ def computed(study: "Study", folder: str | None, computing: Computing, described
     if study.count > MOST_POINTS and not computing.yes:
         raise CommandError(f"{study.count:.4g} points are more than 10^9; --yes computes them")
     said = set[str]()
-    with Meter(described) as meter:
+    with meter(described) as advance:
 
         def show(progress: "Progress") -> None:
             if progress.note and progress.note not in said:
                 said.add(progress.note)
                 say(progress.note)
-            meter.advance(progress.done, progress.count, f"{described}: {_how_far(progress)}")
+            advance(progress.done, progress.count, f"{described}: {_how_far(progress)}")
 
         return run(study, folder, workers=workers, cluster=cluster, fresh=fresh, progress=show)
 

@@ -26,7 +26,7 @@ def simulate(
     """Simulate one run and print its cycle beside the exact and the simplified one."""
     from stickslip.files import check_drawable, check_writable
     from stickslip.library import simulate as simulated
-    from stickslip.progress import Meter
+    from stickslip.progress import meter
 
     if fmu is not None and engine != "fmu":
         raise CommandError("--fmu goes with --engine fmu only")
@@ -36,7 +36,7 @@ def simulate(
     if plot is not None:
         check_drawable(plot, "--plot")
         check_writable(plot, "--plot")
-    with Meter("Simulating") as meter:
+    with meter("Simulating") as advance:
         run = simulated(
             p,
             stop_time,
@@ -45,7 +45,7 @@ def simulate(
             output_interval=output_interval,
             most_slips=most_slips,
             drawn=plot is not None,
-            progress=meter.advance,
+            progress=advance,
         )
     for note in run.notes:
         say(f"warning: {note}")

@@ -162,10 +162,10 @@ def _check_targets(output: Path) -> None:
 
 def _write(found: "FmuVerdict", output: Path, *, full: bool) -> list[Path]:
     """Write the report, and give the files that a person may want to open."""
-    from stickslip.progress import Meter
+    from stickslip.progress import meter
     from stickslip_verification import write_json
 
-    with Meter("Writing the report"):
+    with meter("Writing the report"):
         if output.suffix == ".json":
             write_json(found.verdict, output)
             return [output]
