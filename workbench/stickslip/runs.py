@@ -7,8 +7,6 @@ format, which `fmpy.util.read_csv` reads back.
 import contextlib
 import io
 import math
-import os
-import tempfile
 import warnings
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
@@ -85,34 +83,14 @@ def fitting_interval(duration: float, step: float) -> float:
     return step * 2.0 ** max(0, math.ceil(math.log2(duration / step / 1000.0)))
 
 
-def drawable_interval(duration: float, step: float, w: float) -> float:
-    """Halve `step` [s] until a slip is drawn smoothly, or 20,000 of it make `duration` [s].
-
-    `w` is the natural frequency [rad/s]; a step of half a radian is smooth.
-    """
-    shortest = max(0.5 / w, duration / 20_000)
-    return step / 2.0 ** max(0, math.ceil(math.log2(step / shortest)))
-
-
 def csv_bytes(samples: NDArray[np.void]) -> bytes:
     """Return samples, a structured array of ``time`` [s] and outputs, as the bytes of a CSV file.
 
-    fmpy writes a Boolean as ``True``, which its own reader refuses, so Booleans become 0 and 1.
+    It is the file of `fmpy.util.write_csv`, with Booleans as 0 and 1: fmpy's reader refuses True.
     """
-    numeric = np.dtype(
-        [
-            (name, np.int8 if samples.dtype[name] == np.bool_ else samples.dtype[name])
-            for name in samples.dtype.names or ()
-        ]
-    )
-    # It takes half a second to import.
-    from fmpy.util import write_csv as fmpy_write_csv
-
-    with tempfile.TemporaryFile() as stream:
-        # fmpy opens and closes what it is given: a second descriptor of the stream.
-        fmpy_write_csv(os.dup(stream.fileno()), samples.astype(numeric))
-        stream.seek(0)
-        return stream.read()
+    head = ",".join(f'"{name}"' for name in samples.dtype.names or ())
+    rows = (",".join(str(+value) for value in row.item()) for row in samples)
+    return "".join(f"{line}\n" for line in (head, *rows)).encode()
 
 
 Progress = Callable[[float, float], None]
@@ -170,7 +148,9 @@ def experiment(
     if output_interval is None:
         interval = fitting_interval(duration, DEFAULT_STEP)
         if drawn:
-            interval = drawable_interval(duration, interval, math.sqrt(p.k / p.m))
+            # Half a radian of the free oscillation is smooth; 20,000 samples are enough.
+            smooth = max(0.5 * math.sqrt(p.m / p.k), duration / 20_000)
+            interval /= 2.0 ** max(0, math.ceil(math.log2(interval / smooth)))
         return Experiment(p, start, stop, interval)
     interval = above_zero(output_interval, "s", "output_interval")
     smallest = max(duration / LARGEST_SAMPLE_COUNT, math.ulp(max(abs(start), abs(stop))))
@@ -204,13 +184,13 @@ def reference_parameters(p: Parameters) -> stickslip_ref.Parameters:
         return found.complete(stickslip_ref.Parameters(**shared), own)
 
 
-def expected_slips(what: Experiment) -> float | None:
-    """Return about how many slips an experiment has, from its steady motion.
-
-    None where that is not known: the reference does not have the friction law, the motion does not
-    repeat, or the pulled end stands still.
-    """
+def check_slips(what: Experiment, most: int) -> None:
+    """Refuse a run that would have more slips than `most`, where its steady motion is known."""
     law = what.parameters.law
+    # No slip is shorter than half a swing of the mass on its spring, so most runs are short enough.
+    half_swing = math.pi * math.sqrt(what.parameters.m / what.parameters.k)
+    if what.duration / half_swing <= most:
+        return
     try:
         p = reference_parameters(what.parameters)
         if law == COULOMB_NAME:
@@ -219,18 +199,9 @@ def expected_slips(what: Experiment) -> float | None:
             cycle = stickslip_ref.regime(p, law).stick_slip
             period = cycle.period if cycle else math.nan
     except (ValueError, RuntimeError):
-        return None
-    return what.duration / period if period > 0.0 else None
-
-
-def check_slips(what: Experiment, most: int) -> None:
-    """Refuse a run that would have many more slips than anybody waits for."""
-    # No slip is shorter than half a swing of the mass on its spring, so most runs are short enough.
-    half_swing = math.pi * math.sqrt(what.parameters.m / what.parameters.k)
-    if what.duration / half_swing <= most:
+        # The reference does not have the friction law.
         return
-    slips = expected_slips(what)
-    if slips is not None and slips > most:
+    if period > 0.0 and (slips := what.duration / period) > most:
         raise ParameterError(
             "stop_time",
             f": the run has about {slips:.3g} slips, and {most} are allowed; shorten it, or allow "
@@ -274,12 +245,11 @@ def _outputs(table: Table) -> list[Variable]:
 
 def _samples(columns: Mapping[str, Any], times: np.ndarray[Any, Any]) -> np.ndarray[Any, Any]:
     """Return samples as fmpy gives them: a structured array of the time and every output."""
-    outputs = [output for output in _outputs(TABLE) if output.name in columns]
-    types = [("time", np.float64), *((o.name, _COLUMN_TYPES[o.kind]) for o in outputs)]
-    samples = np.empty(len(times), dtype=types)
+    types = {o.name: _COLUMN_TYPES[o.kind] for o in _outputs(TABLE) if o.name in columns}
+    samples = np.empty(len(times), dtype=[("time", np.float64), *types.items()])
     samples["time"] = times
-    for output in outputs:
-        samples[output.name] = columns[output.name]
+    for name in types:
+        samples[name] = columns[name]
     return samples
 
 

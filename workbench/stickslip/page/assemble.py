@@ -89,7 +89,10 @@ def page(setting: Mapping[str, float] | None = None, address: str = "") -> str:
     curves = _table("friction/friction.toml")["curve"]
     data = {
         # What the markup already says, the script need not.
-        "controls": [*_without(_controls(), "symbol"), *_parameters()],
+        "controls": [
+            {key: value for key, value in row.items() if key != "symbol"}
+            for row in _rows("control", "parameter")
+        ],
         "units": _units(),
         "scales": texts.SCALES,
         "applications": [
@@ -103,7 +106,7 @@ def page(setting: Mapping[str, float] | None = None, address: str = "") -> str:
     }
     return environment.get_template("page.html.j2").render(
         version=VERSION,
-        controls=_controls(),
+        controls=_rows("control"),
         applications=applications,
         story=story,
         questions=texts.questions(_table("questions/questions.toml")["question"], start, table),
@@ -135,35 +138,25 @@ def page_range(name: str) -> tuple[float, float, str]:
     KeyError
         If the page has no such parameter.
     """
-    row = next((each for each in [*_controls(), *_parameters()] if each["name"] == name), None)
-    if row is None:
-        raise KeyError(name)
-    unit = TABLE.by_name[name].unit
-    return row["least"], row["most"], "" if unit == "1" else unit
+    row = {each["name"]: each for each in _rows("control", "parameter")}[name]
+    return row["least"], row["most"], row["unit"]
 
 
 @cache
-def _controls() -> list[dict[str, Any]]:
-    """Return the controls, each with its SI unit and what is expected there in words.
+def _rows(*kinds: str) -> list[dict[str, Any]]:
+    """Return the rows of controls.toml: each ``"control"``, each ``"parameter"`` that has none.
 
-    That of a parameter has the start value (SI) of its FMU variable.
+    Each has its SI unit, what is expected there in words, and the start value (SI) of its variable.
     """
-    return [_described(row) for row in _table("controls/controls.toml")["control"]]
-
-
-@cache
-def _parameters() -> list[dict[str, Any]]:
-    """Return the parameters that have no control, each with its start value (SI)."""
-    return [_described(row) for row in _table("controls/controls.toml")["parameter"]]
-
-
-def _described(row: Mapping[str, Any]) -> dict[str, Any]:
-    variable = TABLE.by_name.get(row["name"])
-    # The normal force is no variable of the FMU.
-    kind = KINDS[variable.unit if variable else "N"]
-    start = {"start": variable.start} if variable else {}
-    unit = "" if kind.unit == "1" else kind.unit
-    return {**row, **start, "unit": unit, "expected": kind.expected()}
+    rows, table = [], _table("controls/controls.toml")
+    for row in (row for kind in kinds for row in table[kind]):
+        variable = TABLE.by_name.get(row["name"])
+        # The normal force is no variable of the FMU.
+        unit = KINDS[variable.unit if variable else "N"]
+        start = {"start": variable.start} if variable else {}
+        symbol = "" if unit.unit == "1" else unit.unit
+        rows.append({**row, **start, "unit": symbol, "expected": unit.expected()})
+    return rows
 
 
 def _units() -> dict[str, Any]:
@@ -181,10 +174,6 @@ def _units() -> dict[str, Any]:
         "prefixes": {symbol: size.as_integer_ratio() for symbol, size in UNIT_PREFIXES.items()},
         "kinds": {unit: kind.name for unit, kind in KINDS.items()},
     }
-
-
-def _without(rows: Sequence[Mapping[str, Any]], *keys: str) -> list[dict[str, Any]]:
-    return [{key: row[key] for key in row if key not in keys} for row in rows]
 
 
 def _only(rows: Sequence[Mapping[str, Any]], *keys: str) -> list[dict[str, Any]]:

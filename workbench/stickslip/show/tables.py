@@ -6,11 +6,12 @@ import math
 import re
 from collections import Counter
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Final, NamedTuple
 
 import numpy as np
 from rich.box import SIMPLE_HEAD
-from rich.console import Console, ConsoleOptions, Group, RenderableType, RenderResult
+from rich.console import Console, ConsoleOptions, Group, JustifyMethod, RenderableType, RenderResult
 from rich.measure import Measurement
 from rich.segment import Segment
 from rich.table import Table
@@ -25,7 +26,7 @@ if TYPE_CHECKING:
     from stickslip.runs import Run
     from stickslip_design.report.tables import Grid
     from stickslip_design.verdict import Verdict
-    from stickslip_ref import CriticalVelocity, Interval, Regime
+    from stickslip_ref import CriticalVelocity, Regime
     from stickslip_score import Compared, Score
 
 _UNBOUND: Final = 10_000
@@ -38,14 +39,22 @@ def grid(
     *,
     texts: Collection[int] = (0,),
     title: str | None = None,
+    without: Collection[int] = (),
+    styles: Mapping[int, str] = MappingProxyType({}),
     **look: Any,
 ) -> Table:
-    """Make a table: its headings, its rows, and which columns are texts and not numbers."""
+    """Make a table: its headings, its rows, and which columns are texts and not numbers.
+
+    The columns `without` are left out; the first one that stays has the first heading.
+    """
     table = Table(title=title, title_justify="left", title_style="bold", box=SIMPLE_HEAD, **look)
-    for place, heading in enumerate(head):
-        table.add_column(heading, justify="left" if place in texts else "right", overflow="fold")
+    shown = [place for place in range(len(head)) if place not in without]
+    for place in shown:
+        heading = head[0] if place == shown[0] else head[place]
+        justify: JustifyMethod = "left" if place in texts else "right"
+        table.add_column(heading, justify=justify, style=styles.get(place), overflow="fold")
     for row in rows:
-        table.add_row(*row)
+        table.add_row(*(row[place] for place in shown if place < len(row)))
     return table
 
 
@@ -77,21 +86,26 @@ class Fitted:
 
 
 def _without_blanks_at_the_end(line: list[Segment]) -> list[Segment]:
-    kept = list(line)
-    while kept and not kept[-1].text.strip():
-        kept.pop()
-    if kept:
-        text, style, control = kept[-1]
-        kept[-1] = Segment(text.rstrip(), style, control)
-    return kept
+    while line and not line[-1].text.strip():
+        line.pop()
+    if line:
+        text, style, control = line.pop()
+        line.append(Segment(text.rstrip(), style, control))
+    return line
 
 
 def critical_table(found: CriticalVelocity, there: Regime | None = None) -> RenderableType:
     """Make the table of a limit, with what happens at a velocity where it is given."""
-    rows = [
-        *_intervals("a cycle with a stick exists", found.cycle, proven=found.proven),
-        *_intervals("steady sliding is unstable", found.unstable, proven=found.proven),
-    ]
+    rows: list[tuple[str, ...]] = []
+    for name, intervals in (
+        ("a cycle with a stick exists", found.cycle),
+        ("steady sliding is unstable", found.unstable),
+    ):
+        ends = [
+            (_speed(low), _kind(low, low_end), _speed(high), _kind(high, high_end))
+            for low, high, low_end, high_end in intervals
+        ] or [("none exists" if found.proven else "none found", "", "", "")]
+        rows += [("" if number else name, *cells) for number, cells in enumerate(ends)]
     notes = []
     if there is not None:
         settles = ""
@@ -108,21 +122,6 @@ def critical_table(found: CriticalVelocity, there: Regime | None = None) -> Rend
         )
     table = grid(("", "from", "", "to", ""), rows, texts=(0, 2, 4))
     return Group(table, *(Text(note) for note in notes))
-
-
-def _intervals(name: str, ranges: Sequence[Interval], *, proven: bool) -> list[list[str]]:
-    if not ranges:
-        return [[name, "none exists" if proven else "none found", "", "", ""]]
-    return [
-        [
-            "" if number else name,
-            _speed(each.low),
-            _kind(each.low, each.low_end),
-            _speed(each.high),
-            _kind(each.high, each.high_end),
-        ]
-        for number, each in enumerate(ranges)
-    ]
 
 
 def _kind(v: float, kind: str) -> str:
@@ -143,9 +142,6 @@ _ROWS: tuple[tuple[str, str, str], ...] = (
     ("f", "frequency", "Hz"),
     ("x_dot_peak", "peak velocity", "m/s"),
 )
-
-
-_STYLES = {"measured": "bold", "exact": "", "simplified": "dim"}
 
 
 class Row(NamedTuple):
@@ -192,11 +188,8 @@ def cycle_table(run: Run, p: stickslip_ref.Parameters | None) -> RenderableType:
     """
     rows = list(cycle_rows(run, p))
     if p is None:
-        return _table(_title(run), rows, ("measured",))
-    forms = [
-        _table(_title(run), rows, explained=explained, compared=compared)
-        for explained, compared in ((True, True), (False, True), (False, False))
-    ]
+        return _table(_title(run), rows, range(4, 8))
+    forms = [_table(_title(run), rows, without) for without in ((), (0,), (0, 4, 7))]
     notes = list(_no_cycle(run, p))
     # The break-away force is the same in all columns and needs no note.
     if any(not math.isnan(row.simplified) for row in rows if row.name != "F_s"):
@@ -212,41 +205,23 @@ def theory_table(
 ) -> RenderableType:
     """Make the table of the steady cycle, exact and as designers write it."""
     rows = list(_rows({}, exact, designers))
-    return _table("Steady cycle", rows, ("exact", "simplified"))
+    return _table("Steady cycle", rows, (3, 4))
 
 
-def _table(
-    title: str,
-    rows: Sequence[Row],
-    columns: Sequence[str] = ("measured", "exact", "simplified"),
-    *,
-    explained: bool = True,
-    compared: bool = True,
-) -> Table:
-    compared = compared and "exact" in columns
+def _table(title: str, rows: Iterable[Row], without: Collection[int]) -> Table:
     lines = []
     for row in rows:
         shown = next((x for x in (row.exact, row.measured, row.simplified) if x == x), 0.0)
         scale = scale_for(shown, row.unit)
-        cells = [row.meaning] if explained else []
-        cells += [row.name, scale.symbol]
-        for name in columns:
-            value: float = getattr(row, name)
-            cells.append(_number(value / scale.size))
-            if compared and name != "exact":
-                cells.append(_deviation(value, row.exact))
-        lines.append(cells)
-    head = ["quantity", "", "unit"] if explained else ["quantity", "unit"]
-    texts = range(len(head))
-    styles = [""] * len(head)
-    for name in columns:
-        own = [name, "from exact"] if compared and name != "exact" else [name]
-        head += own
-        styles += [_STYLES[name]] * len(own)
-    table = grid(head, lines, texts=texts, title=title)
-    for column, style in zip(table.columns, styles, strict=True):
-        column.style = style
-    return table
+        cells = [row.meaning, row.name, scale.symbol]
+        for value in (row.measured, row.exact, row.simplified):
+            cells += [_number(value / scale.size), _deviation(value, row.exact)]
+        # The exact one deviates by nothing.
+        lines.append([*cells[:6], *cells[7:]])
+    columns = ("measured", "from exact", "exact", "simplified", "from exact")
+    head = ("quantity", "", "unit", *columns)
+    styles = {3: "bold", 4: "bold", 6: "dim", 7: "dim"}
+    return grid(head, lines, texts=range(3), title=title, without=without, styles=styles)
 
 
 def _title(run: Run) -> str:
@@ -317,9 +292,17 @@ def score_table(score: Score) -> RenderableType:
     Errors and resolutions stand each in a unit of their own size; symbols and resolution are left
     out where the line is short.
     """
+    title = (
+        f"Curve against exact cycle, mean of {score.cycles} cycle{'' if score.cycles == 1 else 's'}"
+    )
+    head = ("quantity", "", "curve", "exact", "error", "resolution")
+    rows = [
+        (meaning, name, *_cells(getattr(score, "period" if name == "T" else name), unit))
+        for meaning, name, unit in _QUANTITIES
+    ]
     forms = [
-        _compared(score, named=named, resolved=resolved)
-        for named, resolved in ((True, True), (True, False), (False, False))
+        grid(head, rows, texts=(0, 1), title=title, without=without)
+        for without in ((), (5,), (1, 5))
     ]
     mild = dict.fromkeys(("noisy", "solver_tolerance"), "bold yellow")
     style = {"exact": "bold green", **mild}.get(score.cause, "bold red")
@@ -331,22 +314,6 @@ def _sentence(score: Score) -> str:
     """Return the explanation without the name of the cause that stands before it."""
     first, colon, rest = score.explanation.partition(": ")
     return rest if colon and first.startswith(("regularised", "fixed steps")) else score.explanation
-
-
-def _compared(score: Score, *, named: bool, resolved: bool) -> Table:
-    cycles = f"{score.cycles} cycle{'' if score.cycles == 1 else 's'}"
-    rows = []
-    for meaning, name, unit in _QUANTITIES:
-        compared = getattr(score, "period" if name == "T" else name)
-        cells = list(_cells(compared, unit))
-        rows.append((meaning, *([name] if named else []), *(cells if resolved else cells[:-1])))
-    head = ("quantity", *([""] if named else []), "curve", "exact", "error")
-    return grid(
-        (*head, "resolution") if resolved else head,
-        rows,
-        texts=(0, 1) if named else (0,),
-        title=f"Curve against exact cycle, mean of {cycles}",
-    )
 
 
 def _cells(compared: Compared, unit: str) -> Iterator[str]:
