@@ -11,7 +11,6 @@ import pytest
 from PIL import Image
 
 from stickslip.handbook import parts
-from stickslip.handbook.parts import icon
 from stickslip.page import page
 from stickslip_fmu.spec import TABLE
 
@@ -82,7 +81,7 @@ def test_the_native_fmu_carries_the_licences_of_its_runtime_and_of_no_wrapper() 
 
 
 def test_the_icon_is_a_small_square_picture() -> None:
-    picture = icon()
+    picture = parts()["model.png"]
     assert len(picture) < 10_000
     with Image.open(io.BytesIO(picture)) as drawn:
         assert (drawn.format, drawn.size) == ("PNG", (256, 256))

@@ -39,8 +39,7 @@ def write(target: Path, content: bytes, option: str) -> None:
 def check_writable(target: Path, option: str) -> None:
     """Raise a `CommandError` unless `target` can be written: known before a long run, not after."""
     with refused(target, option):
-        obstacle = _obstacle(target)
-        if obstacle is not None:
+        if obstacle := _obstacle(target):
             raise OSError(0, obstacle)
 
 

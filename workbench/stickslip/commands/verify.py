@@ -62,34 +62,22 @@ def verify(
         return
     from stickslip_verification import Limits
 
+    for option, seconds in (("--time-limit", time_limit), ("--budget", budget)):
+        if seconds is not None and not 0.0 < seconds < math.inf:
+            raise CommandError(f"{option} {seconds!r}: must be above 0 s and finite")
+    if not LEAST_MEMORY <= memory < math.inf:
+        raise CommandError(f"--memory {memory!r}: must be {LEAST_MEMORY} GB at least and finite")
     there = "not a file" if fmu and fmu.exists() else "no such file"
-    for is_wrong, refusal in (
-        (fmu and not fmu.is_file(), f"--fmu {fmu}: {there}"),
-        (
-            fmu and law != COULOMB,
-            "--law goes without --fmu: an FMU's variables say its friction law",
-        ),
-        (names and not fmu, "--names goes with --fmu: the default FMU has the standard names"),
-        (contract and strict, "--strict does not go with --contract"),
-        (contract and pack, "--pack does not go with --contract"),
-        (
-            not 0.0 < time_limit < math.inf,
-            f"--time-limit {time_limit!r}: must be above 0 s and finite",
-        ),
-        (
-            budget is not None and not 0.0 < budget < math.inf,
-            f"--budget {budget!r}: must be above 0 s and finite",
-        ),
-        (
-            not LEAST_MEMORY <= memory < math.inf,
-            f"--memory {memory!r}: must be {LEAST_MEMORY} GB at least and finite",
-        ),
-        (pack and names, "--pack does not go with --names: only the exact block takes evidence"),
-        (
-            pack and cases is not None,
-            "--pack does not go with --cases: the report in the FMU is on all cases",
-        ),
-    ):
+    refusals = {
+        f"--fmu {fmu}: {there}": fmu and not fmu.is_file(),
+        "--law goes without --fmu: an FMU's variables say its friction law": fmu and law != COULOMB,
+        "--names goes with --fmu: the default FMU has the standard names": names and not fmu,
+        "--strict does not go with --contract": contract and strict,
+        "--pack does not go with --contract": contract and pack,
+        "--pack does not go with --names: only the exact block takes evidence": pack and names,
+        "--pack does not go with --cases: the report in the FMU is on all cases": pack and cases,
+    }
+    for refusal, is_wrong in refusals.items():
         if is_wrong:
             raise CommandError(refusal)
     if pack and fmu:
@@ -120,8 +108,7 @@ def verify(
     if within is not None and found.verdict.exact:
         say(f"--within {within} is not asked of an FMU that is held to the exact contract")
     written = _write(found, output, full=paper)
-    screen = console()
-    screen.print(tables.verdict_table(found.verdict) if all_ else found.table())
+    console().print(tables.verdict_table(found.verdict) if all_ else found.table())
     for file in written:
         print(file)
     if pack:

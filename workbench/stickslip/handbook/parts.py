@@ -60,22 +60,17 @@ def _groups(table: Table) -> dict[str, list[Variable]]:
     return groups
 
 
-def icon() -> bytes:
-    """Return the icon as PNG, 256 pixels square: the block on its spring, and how it jumps."""
-    return (_SOURCES / "icon.png").read_bytes()
-
-
-_OURS = "The block, its FMI interface and its documentation: MIT, see stickslip.txt.\n"
-
 Runtime: TypeAlias = Mapping[str, tuple[str, bytes]]
 """Name, description and licence of each part of an FMU that is not ours."""
 
 
 def _licences(runtime: Runtime) -> dict[str, bytes]:
     """Return the licence texts by file name; ``license.txt`` lists the others."""
-    entry = _OURS + "".join(f"{what}, see {name}.txt.\n" for name, (what, _) in runtime.items())
+    ours = "The block, its FMI interface and its documentation: MIT"
+    entries = {"stickslip": ours, **{name: what for name, (what, _) in runtime.items()}}
+    lines = [f"{what}, see {name}.txt.\n" for name, what in entries.items()]
     return {
-        "license.txt": entry.encode(),
+        "license.txt": "".join(lines).encode(),
         "stickslip.txt": _licence_of("stickslip"),
         **{f"{name}.txt": text for name, (_, text) in runtime.items()},
     }
@@ -122,7 +117,7 @@ def parts(
         what = "The binaries, and the Python package pythonfmu in resources/: MIT"
         runtime = {"pythonfmu": (what, _licence_of("pythonfmu"))}
     found = {f"{folder}/{name}": text for name, text in _licences(runtime).items()}
-    found[icon_file] = icon()
+    found[icon_file] = (_SOURCES / "icon.png").read_bytes()
     if law in BUILT_IN:
         text = document(fmi_version, native=native, law=law)
         found["documentation/index.html"] = text.encode()

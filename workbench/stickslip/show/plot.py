@@ -48,8 +48,6 @@ _STYLE: Final[Any] = {
 
 _MOST_MARKED_EVENTS: Final = 100
 
-_POINTS_ONLY: Final = "more events than samples: points only, choose a shorter interval"
-
 _VISIBLE: Final = 0.005
 """Part of a panel's height that an eye tells from nothing: about the width of a line."""
 
@@ -68,18 +66,14 @@ class Curve(NamedTuple):
     F: Floats
 
 
-def points(run: Run) -> Curve:
-    """Return the samples alone, as `curve` does: all that is known of a run with hidden events."""
-    samples = run.samples
-    return Curve(samples["time"], samples["x"], samples["x_pull"], samples["F"])
-
-
 def curve(run: Run) -> Curve:
-    """Return the curve through samples and events of a run that has no hidden ones.
+    """Return the curve through samples and events, which is exactly flat in stick.
 
-    It is exactly flat in stick.
+    Of a run with hidden events it is the samples alone: all that is known of it.
     """
     samples = run.samples
+    if run.hidden_events:
+        return Curve(*(samples[name] for name in ("time", "x", "x_pull", "F")))
     k, v = run.parameters.k, run.parameters.v
     at_events = np.array([event.time for event in run.events])
     times = np.concatenate([samples["time"], at_events])
@@ -141,7 +135,7 @@ def figure(run: Run) -> Figure:
     A run with hidden events is drawn as its samples only: what lies between them is not known.
     """
     page = Figure(figsize=(10.0, 6.4), layout="constrained")
-    drawn = points(run) if run.hidden_events else curve(run)
+    drawn = curve(run)
     start, stop = float(run.samples["time"][0]), float(run.last["time"])
     time = scale_for(max(abs(start), abs(stop)), "s", 0.1)
     upper, lower = page.subplots(2, 1, sharex=True, height_ratios=(3, 2))
@@ -194,23 +188,16 @@ def panels(time: Floats, columns: Mapping[str, Floats | None], title: str) -> Fi
 
 def _draw_motion(panel: Axes, run: Run, drawn: Curve, time: Scale) -> None:
     length = scale_for(float(np.max(np.abs([drawn.x, drawn.x_pull]))), "m", 2.0)
-    t = drawn.t / time.size
-    pulled_end, mass = (
-        (_points(run, 1.6), _points(run)) if run.hidden_events else ({"lw": 1.2}, {"lw": 1.8})
-    )
-    panel.plot(
-        t,
-        drawn.x_pull / length.size,
-        color=_GREY,
-        label=r"pulled end $x_\mathrm{pull}$",
-        **pulled_end,
-    )
-    panel.plot(t, drawn.x / length.size, color=_BLUE, label="mass $x$", **mass)
+    t, pulled = drawn.t / time.size, drawn.x_pull / length.size
+    look = _look(run, 1.2, 1.6)
+    panel.plot(t, pulled, color=_GREY, label=r"pulled end $x_\mathrm{pull}$", **look)
+    panel.plot(t, drawn.x / length.size, color=_BLUE, label="mass $x$", **_look(run, 1.8))
     _mark(panel, run, time, [event.x / length.size for event in run.events], _BLUE)
     panel.set_ylabel(f"position  [{length.symbol}]")
     handles, _ = panel.get_legend_handles_labels()
     if run.hidden_events:
-        panel.set_title(_POINTS_ONLY, loc="right", fontsize=10, color=_ALARM, weight="bold")
+        note = "more events than samples: points only, choose a shorter interval"
+        panel.set_title(note, loc="right", fontsize=10, color=_ALARM, weight="bold")
     else:
         handles.append(Patch(color=_SHADE, label="stick"))
     panel.legend(handles=handles, loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=6, borderpad=0)
@@ -218,17 +205,15 @@ def _draw_motion(panel: Axes, run: Run, drawn: Curve, time: Scale) -> None:
 
 def _draw_force(panel: Axes, run: Run, drawn: Curve, time: Scale) -> None:
     lines = _break_away_lines(run)
-    largest = float(np.max(np.abs([*drawn.F, *lines.values()])))
-    force = scale_for(largest, "N")
-    look = _points(run) if run.hidden_events else {"lw": 1.8}
-    panel.plot(drawn.t / time.size, drawn.F / force.size, color=_ORANGE, **look)
+    low = min(0.0, *drawn.F, *lines.values())
+    high = max(0.0, *drawn.F, *lines.values())
+    force = scale_for(max(high, -low), "N")
+    panel.plot(drawn.t / time.size, drawn.F / force.size, color=_ORANGE, **_look(run, 1.8))
     for line in lines.values():
         panel.axhline(line / force.size, color=_INK, lw=1.0, ls=(0, (5, 3)), zorder=1.5)
     k = run.parameters.k
     _mark(panel, run, time, [k * event.z / force.size for event in run.events], _ORANGE)
     panel.set_ylabel(f"spring force $F$  [{force.symbol}]")
-    low = min(0.0, *drawn.F, *lines.values())
-    high = max(0.0, *drawn.F, *lines.values())
     height = (high - low) or 1.0
     # Head room on the sides where a line carries its name.
     above = 0.28 if 1 in lines else 0.05
@@ -257,9 +242,8 @@ def _draw_force(panel: Axes, run: Run, drawn: Curve, time: Scale) -> None:
 def _break_away_lines(run: Run) -> dict[int, float]:
     """Return the spring force [N] of break-away for each direction in which this run slips."""
     F_s, F_ext = float(run.last["F_s"]), run.parameters.F_ext
-    signs = {event.mode for event in run.events} | set(run.samples["mode"].tolist())
-    signs -= {0}
-    signs = signs or {-1 if run.parameters.v < 0.0 else 1}
+    modes = {event.mode for event in run.events} | set(run.samples["mode"].tolist())
+    signs = modes - {0} or {-1 if run.parameters.v < 0.0 else 1}
     return {sign: sign * F_s - F_ext for sign in sorted(signs)}
 
 
@@ -283,24 +267,19 @@ def _mark(panel: Axes, run: Run, time: Scale, heights: list[float], color: str) 
     if run.hidden_events or len(run.events) > _MOST_MARKED_EVENTS:
         return
     size = 26.0 if len(run.events) <= 30 else 12.0
+    look: Any = {"edgecolor": color, "linewidth": 1.2, "zorder": 3, "clip_on": False}
     for kind, face in (("break-away", color), ("re-stick", "white"), ("reversal", _INK)):
         chosen = [n for n, event in enumerate(run.events) if event.kind == kind]
         if chosen:
-            panel.scatter(
-                [run.events[n].time / time.size for n in chosen],
-                [heights[n] for n in chosen],
-                s=size,
-                facecolor=face,
-                edgecolor=color,
-                linewidth=1.2,
-                zorder=3,
-                clip_on=False,
-                label=kind,
-            )
+            times = [run.events[n].time / time.size for n in chosen]
+            marked = [heights[n] for n in chosen]
+            panel.scatter(times, marked, size, facecolor=face, label=kind, **look)
 
 
-def _points(run: Run, factor: float = 1.0) -> dict[str, Any]:
-    """Return the look of samples drawn as points: smaller where they are many."""
+def _look(run: Run, width: float, factor: float = 1.0) -> dict[str, Any]:
+    """Return the look of a line, or of points where events are hidden: smaller where many are."""
+    if not run.hidden_events:
+        return {"lw": width}
     size = 4.0 if len(run.samples) <= 300 else 1.5
     return {"ls": "none", "marker": "o", "ms": factor * size, "mew": 0.0}
 
