@@ -282,11 +282,10 @@ def critical(
         If the reference refuses the values, or cannot finish.
     """
     p = p or Parameters()
-    ends = tuple(
+    low, high = (
         None if each is None else above_zero(each, "m/s", name)
         for each, name in zip(between, ("from", "to"), strict=True)
     )
-    low, high = ends
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")
         reference = reference_parameters(p)

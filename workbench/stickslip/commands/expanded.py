@@ -78,7 +78,10 @@ def command(function: Callable[..., None]) -> Callable[..., None]:
 
     @functools.wraps(function)
     def run(**given: Any) -> None:
-        with _refusals(tuple(given)), _here_on_path(), contextlib.ExitStack() as stack:
+        with _refusals(tuple(given)), contextlib.ExitStack() as stack:
+            # Python imports from the folder that the command runs in, as by `python -m`.
+            sys.path.append(folder := str(Path.cwd()))
+            stack.callback(sys.path.remove, folder)
             stack.enter_context(warnings.catch_warnings())
             warnings.showwarning = lambda message, *_: print(
                 f"stickslip: warning: {message}", file=sys.stderr
@@ -161,16 +164,6 @@ def _standard_input(stack: contextlib.ExitStack) -> Path:
     file = Path(stack.enter_context(tempfile.TemporaryDirectory()), "stdin")
     file.write_bytes(sys.stdin.buffer.read())
     return file
-
-
-@contextlib.contextmanager
-def _here_on_path() -> Iterator[None]:
-    """Let Python import from the folder that the command runs in, as `python -m` does."""
-    sys.path.append(str(Path.cwd()))
-    try:
-        yield
-    finally:
-        sys.path.remove(str(Path.cwd()))
 
 
 @contextlib.contextmanager

@@ -89,15 +89,14 @@ def _write(found: "Scatter", folder: Path) -> list[str]:
     from stickslip_design.datasets import write_points
     from stickslip_design.tolerances.page import data, html, picture
 
+    text = dumps(data(found), ensure_ascii=False, allow_nan=False, indent=1)
     image, table = io.BytesIO(), folder / "machines.parquet"
     if (drawn := picture(found)) is not None:
         drawn.savefig(image, format="png", dpi=150)
     contents = {
         "scatter.html": html(found).encode(),
         "scatter.png": image.getvalue(),
-        "scatter.json": (
-            dumps(data(found), ensure_ascii=False, allow_nan=False, indent=1) + "\n"
-        ).encode(),
+        "scatter.json": f"{text}\n".encode(),
     }
     for name, content in contents.items():
         write(folder / name, content, "--output")

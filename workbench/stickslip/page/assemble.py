@@ -6,7 +6,6 @@ import re
 import tomllib
 from base64 import b64encode
 from collections.abc import Mapping, Sequence
-from fractions import Fraction
 from functools import cache
 from graphlib import TopologicalSorter
 from importlib.resources import files
@@ -161,16 +160,11 @@ def _rows(*kinds: str) -> list[dict[str, Any]]:
 
 def _units() -> dict[str, Any]:
     """Return the command's tables of units: symbol to numerator, denominator and exponents."""
-
-    def spelled_out(table: Mapping[str, tuple[Fraction, Sequence[int]]]) -> dict[str, list[int]]:
-        return {
-            symbol: [*size.as_integer_ratio(), *dimension]
-            for symbol, (size, dimension) in table.items()
-        }
-
+    tables = {"prefixable": UNITS_WITH_PREFIX, "alone": UNITS_ALONE}
     return {
-        "prefixable": spelled_out(UNITS_WITH_PREFIX),
-        "alone": spelled_out(UNITS_ALONE),
+        name: {unit: [*size.as_integer_ratio(), *powers] for unit, (size, powers) in table.items()}
+        for name, table in tables.items()
+    } | {
         "prefixes": {symbol: size.as_integer_ratio() for symbol, size in UNIT_PREFIXES.items()},
         "kinds": {unit: kind.name for unit, kind in KINDS.items()},
     }

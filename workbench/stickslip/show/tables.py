@@ -380,10 +380,8 @@ def design_summary(verdict: Verdict) -> RenderableType:
     points, loop = tables.operating_points(verdict), tables.loop(verdict)
     if points.rows:
         # On a narrow terminal a column for each feed.
-        tall = grid([points.head[0], *next(zip(*points.rows, strict=True))])
-        for row in list(zip(points.head, *points.rows, strict=True))[1:]:
-            tall.add_row(*row)
-        parts.append(Fitted([_of_grid(points), tall]))
+        head, *rows = zip(points.head, *points.rows, strict=True)
+        parts.append(Fitted([_of_grid(points), grid(head, rows)]))
     if loop.rows:
         parts.append(_of_grid(loop))
     parts.append(Text(f"critical feed: {tables.critical(verdict)}"))
