@@ -29,7 +29,7 @@ from benchmarks.chunks import measure_chunks
 from benchmarks.empty_slave import build_empty_slave
 from benchmarks.page import NoBrowserError, measure_moves, measure_opening
 from stickslip.page import page
-from stickslip_design.axis import axis_of, example
+from stickslip_design.axis import axis_file_of, example
 from stickslip_design.chunks import run as run_study
 from stickslip_design.loop.jumps import limit_of_jumps
 from stickslip_design.points.blocks import block_points
@@ -208,7 +208,7 @@ def _step_in_slip(law: str, *, changing: bool) -> float:
 
 def of_axis(folder: Path) -> Iterator[Row]:
     """Time the verdict on a feed axis with its drive, from the call to the report."""
-    axis = axis_of(example())
+    axis = axis_file_of(example()).axis()
     limit = best_of(5, lambda: limit_of_jumps(axis))
     yield Row("critical feed in the loop", "axis", limit, at_most=0.5)
     (folder / "axis.toml").write_text(example(), encoding="utf-8")

@@ -11,7 +11,7 @@ import pandas as pd
 import typer
 
 from stickslip.parameters import quantity
-from stickslip_design.axis import AxisError, axis_of, example, read_axis
+from stickslip_design.axis import AxisError, axis_file_of, example, read_axis_file
 from stickslip_native.compiler import CompilerError
 from stickslip_verification.report.svg import BLUE, GREY, ORANGE, STYLE
 
@@ -40,7 +40,7 @@ def main(
 ) -> None:
     """Build both FMUs and FeedAxis.ssp of an axis, run them, write run.csv and run.svg."""
     try:
-        axis = axis_of(example()) if file is None else read_axis(file)
+        axis = axis_file_of(example()).axis() if file is None else read_axis_file(file).axis()
         speed, way = quantity(feed, "m/s", "--feed"), quantity(distance, "m", "--distance")
         ssp = build_all(
             output, axis, Move(speed, axis.demand.acceleration or 0.1, way), native=native

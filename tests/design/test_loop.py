@@ -10,10 +10,10 @@ from numpy.typing import NDArray
 from scipy import signal
 from threadpoolctl import threadpool_info, threadpool_limits
 
-from stickslip_design.axis import Axis, Filter, Friction, low_pass, notch
-from stickslip_design.critical import rigid_critical_feed
+from stickslip_design.axis import Axis, Filter, Friction
+from stickslip_design.critical import jumps_of, rigid_critical_feed
 from stickslip_design.loop import system as matrices
-from stickslip_design.loop.jumps import jump_at, limit_of_jumps
+from stickslip_design.loop.jumps import limit_of_jumps
 from stickslip_design.loop.motion import Motion, Point, walk
 from stickslip_design.loop.rest import Start, hunting
 from stickslip_design.loop.stability import gain_limits, is_stable, open_loop, swing
@@ -54,19 +54,19 @@ def test_jumps_end_at_the_feed_where_the_loop_solved_as_one_ends_them(
 def test_the_jump_at_half_a_millimetre_a_second_is_that_of_the_two_fmus(
     axis: Axis, jump: float, period: float
 ) -> None:
-    found = jump_at(axis, 5e-4)
+    found = jumps_of(axis, 5e-4)
     assert found is not None
     # Of runs of the two FMUs of docs/feed-axis.md, to their digits.
     assert found.way == pytest.approx(jump, abs=0.08e-6)
-    assert found.period == pytest.approx(period, abs=0.2e-3)
+    assert 1.0 / found.rate == pytest.approx(period, abs=0.2e-3)
 
 
 def test_above_the_limit_there_is_no_jump_and_just_below_it_the_table_hardly_stops() -> None:
     limit = limit_of_jumps(SERVO)
     assert limit.jump is not None
     assert -0.1 * limit.feed < limit.jump.least < 0.0
-    assert jump_at(SERVO, 1.01 * limit.feed) is None
-    assert jump_at(SERVO, 0.99 * limit.feed) is not None
+    assert jumps_of(SERVO, 1.01 * limit.feed) is None
+    assert jumps_of(SERVO, 0.99 * limit.feed) is not None
     assert limit_of_jumps(replace(SERVO, friction=Friction(mu_s=0.15, mu_k=0.15))).feed == 0.0
 
 
@@ -145,9 +145,9 @@ def test_at_the_limits_of_its_gains_the_swing_of_the_sliding_table_has_no_dampin
 @pytest.mark.parametrize(
     ("each", "above", "below"),
     [
-        (low_pass(150.0), [1.0], [1.0, 1.0]),
-        (low_pass(150.0, 0.7), [1.0], [1.0, 1.4, 1.0]),
-        (notch(90.0, 0.5, 0.1), [1.0, 0.1, 1.0], [1.0, 1.0, 1.0]),
+        (Filter("low pass", 150.0), [1.0], [1.0, 1.0]),
+        (Filter("low pass", 150.0, 0.7), [1.0], [1.0, 1.4, 1.0]),
+        (Filter("notch", 90.0, 0.5, 0.1), [1.0, 0.1, 1.0], [1.0, 1.0, 1.0]),
     ],
 )
 def test_filters_are_those_of_scipy_bilinear_with_the_frequency_kept(

@@ -3,7 +3,7 @@
 from dataclasses import replace
 from functools import cache
 
-from stickslip_design.axis import Assumed, axis_file_of, example, low_pass, notch
+from stickslip_design.axis import Assumed, Filter, axis_file_of, example
 from stickslip_design.study import design
 from stickslip_design.verdict import Verdict
 from tests.design.axes import RIGID, driven
@@ -37,7 +37,8 @@ def unstable() -> Verdict:
 def large() -> Verdict:
     before = juddering()
     assert before.axis.drive is not None
-    filters = (low_pass(800.0), low_pass(600.0, 0.7), notch(120.0, 0.5, 0.1))
+    corner = Filter("low pass", 800.0)
+    filters = (corner, replace(corner, damping=0.7), Filter("notch", 120.0, 0.5, 0.1))
     assumed = Assumed("drive.velocity_feedforward_1", "1 ms", "not on the data sheet: usual")
     drive = replace(before.axis.drive, filters=filters, lag=2e-4)
     axis = replace(before.axis, name="<b>X</b> & Y", drive=drive, assumed=(assumed,) * 10)

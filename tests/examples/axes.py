@@ -56,9 +56,11 @@ class Axis(SimpleNamespace):
     def designed(self) -> design.Axis:
         filters = []
         if self.low_pass:
-            filters.append(design.low_pass(self.low_pass, self.low_pass_damping or math.inf))
+            filters.append(
+                design.Filter("low pass", self.low_pass, self.low_pass_damping or math.inf)
+            )
         if self.notch:
-            filters.append(design.notch(self.notch, self.notch_damping, self.notch_depth))
+            filters.append(design.Filter("notch", self.notch, self.notch_damping, self.notch_depth))
         drive = design.Drive(
             inertia=self.m_d, bandwidth=self.omega_v, filters=tuple(filters),
             on_table=bool(self.on_table), **{name: getattr(self, name) for name in SAME},

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from examples.feed_axis.__main__ import main
 from examples.feed_axis.masters import MasterError, run
 from examples.feed_axis.system import Move, build_all, start_values, write_ssp
-from stickslip_design.axis import axis_of, example
+from stickslip_design.axis import axis_file_of, example
 from tests.needs import needs
 
 from .coupled import simulate
@@ -31,7 +31,7 @@ MASTERS = [
     pytest.param("ecos", marks=needs("ecospy")),
     pytest.param("libcosim", marks=needs("libcosimpy")),
 ]
-AXIS, MOVE = axis_of(example()), Move(5e-4)
+AXIS, MOVE = axis_file_of(example()).axis(), Move(5e-4)
 VALUES = start_values(AXIS, MOVE)
 
 

@@ -11,7 +11,7 @@ import pytest
 from numpy.typing import NDArray
 
 from examples.feed_axis.whole_loop import Trajectory, solve
-from stickslip_design.loop.jumps import jump_at
+from stickslip_design.critical import jumps_of
 from stickslip_design.loop.rest import hunting
 from stickslip_ref import Parameters, steady_cycle
 from tests.fmu.blocks import make_block
@@ -184,10 +184,10 @@ def test_at_a_constant_feed_the_table_creeps_as_the_design_tool_computes() -> No
     # 2 s at 0.5 mm/s; the tool leaves out the counts of the scale, 0.1 um.
     axis = Axis()
     meter = couple(axis, [H] * 8000).block.meter
-    cycle = jump_at(axis.designed, axis.feed)
+    cycle = jumps_of(axis.designed, axis.feed)
     assert cycle is not None
     assert meter.delta_x == pytest.approx(cycle.way, abs=1e-7)
-    assert pytest.approx(cycle.period, abs=2e-4) == meter.T
+    assert pytest.approx(1.0 / cycle.rate, abs=2e-4) == meter.T
 
 
 @pytest.mark.gate

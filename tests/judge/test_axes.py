@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from stickslip_design.axis import read_axis, read_axis_file
+from stickslip_design.axis import read_axis_file
 from stickslip_design.critical import regime_of
 from stickslip_design.loop.stability import is_stable
 from tests.judge.axes import Motion, Seen, Start, quantity, seen, steep
@@ -97,7 +97,7 @@ def test_steps_of_the_judge_give_what_a_stiff_solver_gives(number: int, width: f
 def test_the_command_reads_axis_files_as_the_judge_does(tmp_path: Path) -> None:
     for number in range(10):
         drawn = axis(number)
-        own, read = Motion(drawn, 1.0, "rest"), read_axis(write(drawn, tmp_path))
+        own, read = Motion(drawn, 1.0, "rest"), read_axis_file(write(drawn, tmp_path)).axis()
         pairs = [(own.m, read.m), (own.k, read.k), (own.c, read.c), (own.along, read.along)]
         if read.drive:
             drive = read.drive

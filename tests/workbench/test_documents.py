@@ -11,7 +11,7 @@ from typing import Any
 import pytest
 
 from examples.feed_axis.system import Move, build_all
-from stickslip_design.axis import Axis, axis_of, example, read_axis_file
+from stickslip_design.axis import Axis, axis_file_of, example, read_axis_file
 from stickslip_design.axis.keys import KEYS
 from stickslip_design.critical import critical_feed
 from stickslip_design.loop.rest import hunting
@@ -55,7 +55,7 @@ def test_commands_print_what_their_page_quotes(
     lines: str, quoted: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     if "FeedAxis.ssp" in lines:
-        build_all(tmp_path, axis_of(example()), Move(5e-4))
+        build_all(tmp_path, axis_file_of(example()).axis(), Move(5e-4))
     with ExitStack() as stack:
         if CLUSTER in lines:
             quoted = next(text for first, text in ASKED if lines.startswith(f"{first[:-1]} --cl"))
@@ -83,7 +83,7 @@ def changed(text: str, spans: str) -> Axis:
     for key, value in tomllib.loads("\n".join(re.findall(r"`([^`]+)`", spans))).items():
         data[SECTION[key]].pop({"F_s": "mu_s", "F_k": "mu_k", "zeta": "c"}.get(key, ""), None)
         data[SECTION[key]][key] = value
-    return axis_of("".join(_sections(data)))
+    return axis_file_of("".join(_sections(data))).axis()
 
 
 def _sections(data: dict[str, dict[str, Any]]) -> Iterator[str]:

@@ -96,18 +96,15 @@ def levers(axis: Axis) -> Iterator[Lever]:
         held = replace(friction, mu_s=friction.mu_s * less, mu_k=friction.mu_k * less)
         return replace(lighter, friction=held)
 
-    def stiffness(k: float) -> Axis:
-        return replace(axis, k=k)
-
     # The static friction of a measured curve is bound to its first point.
     if not friction.is_curve:
         number, unit = ("F_s", "N") if newtons else ("mu_s", "1")
         now, least = (axis.F_s, axis.F_k) if newtons else (friction.mu_s, friction.mu_k)
         yield Lever("smaller gap", number, unit, False, now, static, "kinetic friction", least)
-    yield Lever("stiffer", "stiffness", "N/m", True, axis.k, stiffness, "c")
+    stiffer = Lever("stiffer", "stiffness", "N/m", True, axis.k, lambda k: replace(axis, k=k), "c")
+    yield stiffer
     if zeta > 0.0:
-        stiffer = Lever("stiffer", "stiffness", "N/m", True, axis.k, stiffness, "zeta")
-        yield replace(stiffer, moved=lambda k: damped(stiffness(k), zeta))
+        yield replace(stiffer, moved=lambda k: damped(stiffer.moved(k), zeta), held="zeta")
         yield Lever("more damping", "c", "N.s/m", True, axis.c, lambda c: replace(axis, c=c))
     held = "c, load and friction" if newtons else "c and load"
     yield Lever("lighter", "mass", "kg", False, axis.m, mass, held)
@@ -198,7 +195,7 @@ def _end(lever: Lever, feed: float, now: float, carried: bool) -> float | None:
 
         close = _CLOSE_BY_SIDE if axis.drive is None else _CLOSE
         way = _first(side, feed, 1.0, finer=_COARSE, close=close)
-    if way is not None and axis.drive is not None and not is_stable(lever.at(way)):
+    if way is not None and not is_stable(lever.at(way)):
         return None
     return way
 
@@ -211,7 +208,7 @@ def _factor_below(lever: Lever, feed: float, largest: float, end: float) -> floa
 
     def excess(log_factor: float) -> float:
         axis = lever.at(math.exp(log_factor))
-        if axis.drive is not None and not is_stable(axis):
+        if not is_stable(axis):
             return math.inf
         jumps = jumps_of(axis, feed)
         return -1.0 if jumps is None else math.log(jumps.way / largest)

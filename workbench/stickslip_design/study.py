@@ -50,7 +50,7 @@ def design(axis: Axis | AxisFile) -> Verdict:
     file = axis if isinstance(axis, AxisFile) else None
     axis = axis.axis() if isinstance(axis, AxisFile) else axis
     loop, constant = axis.drive is not None, axis.friction.constant
-    stable = _is_stable(axis)
+    stable = is_stable(axis)
     limits = limits_of(axis) if stable else CriticalVelocity((), (), (0.0, math.inf), False)
     critical = limits.highest if stable else math.inf
     start = _from_rest(axis, critical) if stable else None
@@ -155,7 +155,7 @@ def _range(file: AxisFile | None, axis: Axis, critical: float) -> tuple[float, f
     others = list(_ends_of_spread(file, axis)) if file is not None and axis.spread else []
     if axis.stiffest is not None:
         others.append(replace(axis, k=axis.stiffest))
-    found = [critical_feed(each) if _is_stable(each) else math.inf for each in others]
+    found = [critical_feed(each) if is_stable(each) else math.inf for each in others]
     return min(*found, critical, critical), max(*found, critical, critical)
 
 
@@ -176,10 +176,6 @@ def _ends_of_spread(file: AxisFile, axis: Axis) -> Iterator[Axis]:
         lowest[name], highest[name] = (less, more) if rising else (more, less)
     for each in (lowest, highest):
         yield file.changed(each).axis()
-
-
-def _is_stable(axis: Axis) -> bool:
-    return axis.drive is None or is_stable(axis)
 
 
 def _responses(axis: Axis) -> Iterator[Response]:

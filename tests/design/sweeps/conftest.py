@@ -7,7 +7,7 @@ import pytest
 from pythonfmu.builder import FmuBuilder
 
 from examples.feed_axis.system import Move, build_all
-from stickslip_design.axis import axis_of, example
+from stickslip_design.axis import axis_file_of, example
 
 HERE = Path(__file__).parent
 
@@ -21,4 +21,6 @@ def troubled(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture(scope="session")
 def feed_axis(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    return build_all(tmp_path_factory.mktemp("feed_axis"), axis_of(example()), Move(5e-4))
+    return build_all(
+        tmp_path_factory.mktemp("feed_axis"), axis_file_of(example()).axis(), Move(5e-4)
+    )

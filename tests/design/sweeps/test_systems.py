@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from examples.feed_axis.system import Move, start_values
-from stickslip_design.axis import axis_of, example
+from stickslip_design.axis import axis_file_of, example
 from stickslip_design.sweeps.model import SweepError, read_model
 from stickslip_design.sweeps.study import prepare
 from tests.design.sweeps.test_runs import results
@@ -26,7 +26,7 @@ def test_a_system_moves_to_the_bit_as_in_the_loop_of_the_example(feed_axis: Path
     columns = results(feed_axis, PLAN)
     assert columns["failure"].tolist() == ["", ""]
     for place, m in enumerate((450.0, 500.0)):
-        values = start_values(replace(axis_of(example()), m=m), Move(2e-3))
+        values = start_values(replace(axis_file_of(example()).axis(), m=m), Move(2e-3))
         run = simulate(feed_axis.parent, values, 0.02)
         assert columns["table.x"][place] == run["table.x"][-1]
         assert columns["table.x.max"][place] == np.max(run["table.x"])

@@ -6,13 +6,9 @@ from .model import Demand as Demand
 from .model import Drive as Drive
 from .model import Filter as Filter
 from .model import Friction as Friction
-from .model import low_pass as low_pass
-from .model import notch as notch
 from .read import AxisFile as AxisFile
 from .read import AxisSource as AxisSource
 from .read import axis_file_of as axis_file_of
-from .read import axis_of as axis_of
 from .read import example as example
-from .read import read_axis as read_axis
 from .read import read_axis_file as read_axis_file
 from .read import template as template

@@ -17,7 +17,7 @@ from stickslip_units import QuantityError, parts_of
 
 from ..curve_file import Curve, CurveError, read_curve
 from .keys import BY_SECTION, SECTIONS, UNITS, Key, key_of
-from .model import Assumed, Axis, AxisError, Demand, Drive, Filter, Friction, low_pass, notch
+from .model import Assumed, Axis, AxisError, Demand, Drive, Filter, Friction
 
 
 class Number(NamedTuple):
@@ -250,19 +250,18 @@ class Builder:
                 within=f"below {0.5 / T_s:g} Hz, half the sampling frequency",
                 remedy="leave the filter out, or shorten drive.sample_time",
             )  # fmt: skip
-        damping = math.inf
+        damping, kind = math.inf, self._text(f"{path}.kind")
         if f"{path}.damping" in self._values:
             damping = self._number(f"{path}.damping")
         elif f"{path}.width" in self._values:
             damping = self._number(f"{path}.width") / (2.0 * frequency)
-        elif self._text(f"{path}.kind") == "notch":
+        elif kind == "notch":
             path = f"{path}.damping"
             raise key_of(path).refusal(path, "is missing, or width in its place")
         else:
             self._assume(f"{path}.damping", "first order", "none is stated")
-        if self._text(f"{path}.kind") == "low pass":
-            return low_pass(frequency, damping)
-        return notch(frequency, damping, self._number(f"{path}.leaves"))
+        depth = self._number(f"{path}.leaves") if kind == "notch" else 0.0
+        return Filter(kind, frequency, damping, depth)
 
     def _check(self, axis: Axis) -> None:
         """Refuse what is beyond the numbers of a computer, or not for the friction law."""

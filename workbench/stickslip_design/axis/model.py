@@ -50,15 +50,14 @@ STANDARD_GRAVITY: Final = 9.81
 class Filter:
     """A filter of the motor's force, sampled: y = b0 u + b1 u' + b2 u'' - a1 y' - a2 y''.
 
-    ``low_pass`` and ``notch`` make one from what a drive's manual names. At rest it passes the
-    force as it is.
+    At rest it passes the force as it is.
     """
 
     kind: str
     """A "low pass" or a "notch"."""
     frequency: float
     """Corner or notch frequency [Hz]."""
-    damping: float
+    damping: float = math.inf
     """Damping ratio of the poles [-]; infinite for a low pass of first order."""
     depth: float = 0.0
     """What a notch leaves of its frequency [-]; 0 of a low pass."""
@@ -83,16 +82,6 @@ class Filter:
             return b, 2.0 * b, b, a1, a2
         above = 2.0 * self.depth * self.damping * w * q
         return (q * q + above + w * w) / scale, a1, (q * q - above + w * w) / scale, a1, a2
-
-
-def low_pass(frequency: float, damping: float = math.inf) -> Filter:
-    """Return a low pass: of first order, or of second order with a damping ratio [-]."""
-    return Filter("low pass", frequency, damping)
-
-
-def notch(frequency: float, damping: float, depth: float = 0.0) -> Filter:
-    """Return a notch: its frequency [Hz], the damping ratio of its poles, and what it leaves."""
-    return Filter("notch", frequency, damping, depth)
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -99,17 +99,12 @@ class AxisFile:
         return replace(self, values=values, _is_changed=True)
 
 
-def read_axis(path: Path | str) -> Axis:
-    """Read an axis file; AxisError if it cannot be read, or what it states is not an axis."""
-    return read_axis_file(path).axis()
-
-
 AxisSource = AxisFile | Path | str | Mapping[str, Any]
 """An axis file: read, by its path, or as the dictionary of its tables."""
 
 
 def read_axis_file(axis: AxisSource) -> AxisFile:
-    """Read what a file, or a dictionary of its tables, states; raises AxisError as `read_axis`."""
+    """Read what a file, or a dictionary of its tables, states; AxisError if it cannot be used."""
     if isinstance(axis, AxisFile):
         return axis
     if isinstance(axis, Mapping):
@@ -125,19 +120,14 @@ def read_axis_file(axis: AxisSource) -> AxisFile:
     return axis_file_of(text, str(path), path.parent)
 
 
-def axis_of(text: str, name: str = "axis.toml", folder: Path | None = None) -> Axis:
-    """Read the text of an axis file, TOML; AxisError if what it states is not an axis.
+def axis_file_of(
+    text: str | Mapping[str, Any], name: str = "axis.toml", folder: Path | None = None
+) -> AxisFile:
+    """Read what an axis file states, its text in TOML or its tables; AxisError if not allowed.
 
     `name` is the file, for refusals; without its suffix that of an axis that has none. A measured
     curve is looked for in `folder`, the working folder by default.
     """
-    return axis_file_of(text, name, folder).axis()
-
-
-def axis_file_of(
-    text: str | Mapping[str, Any], name: str = "axis.toml", folder: Path | None = None
-) -> AxisFile:
-    """Read what an axis file states, its text or its tables; as `axis_of`."""
     if isinstance(text, str):
         try:
             data: Mapping[str, Any] = tomllib.loads(text)

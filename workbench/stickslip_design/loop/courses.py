@@ -138,10 +138,7 @@ class Courses:
         line = next(n for n, line in enumerate(system.lines) if feed <= line.high)
         sliding = system.lines[line]
         force = sliding.force + sliding.slope * (feed - sliding.low) + axis.c * feed - axis.along
-        state = system.holding(force, feed)
-        state[[MOTOR, LAST]] += force / axis.k
-        if not system.drive.on_table:
-            state[system.layout.command] += force / axis.k
+        state = system.holding(force, feed, force / axis.k)
         state[SPEED] = feed * (1.0 + deviation)
         if not sliding.low < state[SPEED] < sliding.high:
             state[SPEED] = feed * (1.0 - deviation)

@@ -38,18 +38,10 @@ class Jump(NamedTuple):
 
     way: float
     """Of the table in the slip [m]."""
-    t_slip: float
-    t_stick: float
-    """How long it slips, and rests after it [s]."""
-    relief: float
-    """By how much the spring force falls [N]."""
+    period: float
+    """From one break-away to the next [s]."""
     least: float
     """The speed that a slip without rest would have fallen to [m/s]; below 0."""
-
-    @property
-    def period(self) -> float:
-        """From one break-away to the next [s]."""
-        return self.t_slip + self.t_stick
 
 
 class Limit(NamedTuple):
@@ -92,13 +84,11 @@ class Jumping:
                 return None
             turn = extreme(system, slip.before, rising=False)
             least = self._motion.follow(slip.before, (turn,), slip.reached.point, swing)
-            begin, end = event.point.state, slip.point.state
-            way = float(end[TABLE] - begin[TABLE])
-            relief = axis.k * float(begin[MOTOR] - end[MOTOR] + way)
+            way = float(slip.point.state[TABLE] - event.point.state[TABLE])
             event = self._followed(slip.mode, _centred(system, slip.point))
             if event is not None:
-                least_speed = float(least.point.state[SPEED])
-                jumps.append(Jump(way, slip.time, event.time, relief, least_speed))
+                period = slip.time + event.time
+                jumps.append(Jump(way, period, float(least.point.state[SPEED])))
         if event is None:
             return None
         self._at, self.feed = event.reached.point, feed
@@ -142,20 +132,9 @@ def loaded(system: System, feed: float) -> Point:
     axis = system.axis
     age = axis.F_s / (axis.k * feed)
     pull = system.held(age) - axis.along
-    state = system.holding(pull, feed)
+    state = system.holding(pull, feed, pull / axis.k - 0.5 * system.drive.T_s * feed)
     state[system.layout.ungrown] *= np.exp(-system.growth[0] * age)
-    stretch = pull / axis.k - 0.5 * system.drive.T_s * feed
-    state[[MOTOR, LAST]] += stretch
-    if not system.drive.on_table:
-        state[system.layout.command] += stretch
     return Point(state, 0.0)
-
-
-@one_thread
-def jump_at(axis: Axis, feed: float) -> Jump | None:
-    """Return the longest jump of the settled cycle at a feed [m/s], None where none is reached."""
-    limit = limit_of_jumps(axis, highest=feed)
-    return limit.jump if limit.feed >= feed else None
 
 
 @one_thread

@@ -166,11 +166,7 @@ class Motion:
         state, left = trace.powers[sample] @ state, time - sample * system.drive.T_s
         if left <= _NONE * system.drive.T_s:
             return Point(state, 0.0)
-        inside = int(np.searchsorted(system.offsets, left, side="right")) - 1
-        inside = min(inside, len(system.parts) - 1)
-        start = trace.inside[inside] @ state
-        rates = system.rates(mode, system.parts[inside].late)
-        return Point(expm(rates * (left - system.offsets[inside])) @ start, left)
+        return self._rest_of_sample(mode, (), Point(system.control @ state, 0.0), left).point
 
     def _traced(self, mode: Mode, margins: tuple[Margin, ...]) -> _Trace:
         system = self.system

@@ -17,7 +17,7 @@ from ..axis import Axis
 from ..one_thread import one_thread
 from .system import INTEGRAL, MOTOR, SPEED, TABLE, Line, Mode, System, Vector, line_at, lines_of
 
-EIGENVALUE: Final = "eigenvalue"
+_ENDS: Final = ("eigenvalue", "eigenvalue")
 _STUCK: Final = Mode(0, 1)
 
 _FINER: Final = 1.05
@@ -87,7 +87,7 @@ def unstable_feeds(axis: Axis) -> tuple[Interval, ...]:
     lines = lines_of(axis)
     if axis.friction.is_curve:
         grows = [line for line in lines if swing(axis, line=line).damping < 0.0]
-        return merged([_unstable(line.low, line.high) for line in grows])
+        return merged([Interval(line.low, line.high, *_ENDS) for line in grows])
     feeds = np.geomspace(_SLOWEST * lines[1].low, lines[-1].low, _FEEDS)
     values = [damping(feed) for feed in feeds]
     ends = [
@@ -97,17 +97,13 @@ def unstable_feeds(axis: Axis) -> tuple[Interval, ...]:
     ]
     if values[0] < 0.0:
         ends.insert(0, 0.0)
-    return tuple(_unstable(low, high) for low, high in zip(ends[::2], ends[1::2], strict=True))
-
-
-def _unstable(low: float, high: float) -> Interval:
-    return Interval(low, high, EIGENVALUE, EIGENVALUE)
+    return tuple(Interval(*pair, *_ENDS) for pair in zip(ends[::2], ends[1::2], strict=True))
 
 
 @one_thread
 def is_stable(axis: Axis) -> bool:
-    """Return whether no motion of the loop grows, with the table sliding and with it stuck."""
-    return _excess(System(axis)) < 0.0
+    """Return whether no motion of a loop grows, table sliding or stuck; none of a rigid drive."""
+    return axis.drive is None or _excess(System(axis)) < 0.0
 
 
 @one_thread
@@ -156,7 +152,7 @@ def _excess(system: System) -> float:
 
 def _eigenvalues(system: System, mode: Mode) -> np.ndarray[tuple[int], np.dtype[np.complex128]]:
     """Return the eigenvalues from sample to sample, without set point and what stands still."""
-    step = system.from_sample_to_sample(mode)[system.moving, system.moving]
+    step = system.over_sample(mode, system.control)[system.moving, system.moving]
     still = ([] if mode.table else [TABLE, SPEED]) + ([] if system.drive.T_n > 0.0 else [INTEGRAL])
     step = np.delete(np.delete(step, still, axis=0), still, axis=1)
     return np.linalg.eigvals(step).astype(np.complex128)
@@ -205,7 +201,7 @@ def open_loop(axis: Axis, cut: Cut, *, sliding: bool = True) -> Response:
     """Return the open loop of a servo axis, its table sliding in one direction or stuck."""
     system = System(axis)
     drive = system.drive
-    step, into, out = _opened(system, cut, system.sliding if sliding else Mode(0, 1))
+    step, into, out = _opened(system, cut, system.sliding if sliding else _STUCK)
     low, high = _LOWEST * max(drive.K_v, 1.0) / (2.0 * math.pi), 0.5 / drive.T_s
     frequency = np.geomspace(low, 0.999 * high, _POINTS)
 
@@ -238,9 +234,7 @@ def _opened(system: System, cut: Cut, mode: Mode) -> tuple[NDArray[np.float64], 
     The state is that just before a sample.
     """
     moving, layout, drive = system.moving, system.layout, system.drive
-    after = np.eye(layout.size)
-    for part in system.steps(mode):
-        after = part @ after
+    after = system.over_sample(mode, np.eye(layout.size))
     control = system.control.copy()
     if cut == "force":
         out = control[layout.commands].copy()

@@ -9,6 +9,7 @@ dead band are left out.
 from __future__ import annotations
 
 import math
+from itertools import pairwise
 from typing import Final, NamedTuple
 
 import numpy as np
@@ -61,13 +62,11 @@ def lines_of(axis: Axis) -> tuple[Line, ...]:
         speeds = np.interp(np.linspace(0.0, share[-1], _LINES + 1), share, looks[: share.size])
         speeds[0] = 0.0
     forces = STRIBECK.friction_at(p, speeds)
+    knots = zip(speeds.tolist(), forces.tolist(), strict=True)
     lines = [
         Line(low, high, force, (following - force) / (high - low))
-        for low, high, force, following in zip(
-            speeds[:-1].tolist(), speeds[1:].tolist(), forces[:-1].tolist(), forces[1:].tolist(),
-            strict=True,
-        )
-    ]  # fmt: skip
+        for (low, force), (high, following) in pairwise(knots)
+    ]
     return (*lines, Line(float(speeds[-1]), math.inf, float(forces[-1]), 0.0))
 
 
@@ -151,8 +150,6 @@ class System:
         When each part begins and the last one ends, since the sample [s].
     control
         What the controller makes of the state at a sample.
-    wanted
-        The motor's force before the filters, over the state, at a sample.
     growth
         Rates [1/s] and forces [N] of the parts by which static friction grows while the table
         rests: each lacks its force times exp(-rate t).
@@ -178,7 +175,7 @@ class System:
         self.parts = self._parts(whole, rest)
         self.offsets = np.concatenate(([0.0], np.cumsum([part.length for part in self.parts])))
         self.offsets[-1] = self.drive.T_s
-        self.wanted, self.control = self._controller()
+        self.control = self._controller()
         self._rates: dict[tuple[Mode, int], Matrix] = {}
         self._steps: dict[Mode, list[Matrix]] = {}
 
@@ -193,10 +190,10 @@ class System:
         rates, forces = self.growth
         return self.fully - float(forces @ np.exp(-rates * age))
 
-    def holding(self, force: float, feed: float) -> Vector:
+    def holding(self, force: float, feed: float, stretch: float = 0.0) -> Vector:
         """Return the state in which the motor moves evenly at a feed [m/s] against a force [N].
 
-        At a sample; the motor is at 0, and the table too.
+        At a sample; the table is at 0, and the motor ahead by the stretch of the spring [m].
         """
         drive, layout = self.drive, self.layout
         state = self.at_rest()
@@ -209,8 +206,10 @@ class System:
             b0, _, b2, _, a2 = of_force.coefficients(drive.T_s)
             state[layout.filters + 2 * number] = (1.0 - b0) * motor
             state[layout.filters + 2 * number + 1] = (b2 - a2) * motor
-        state[LAST] = -feed * drive.T_s
+        state[MOTOR], state[LAST] = stretch, stretch - feed * drive.T_s
         state[layout.command] = (1.0 - drive.velocity_feedforward) * feed / drive.K_v
+        if not drive.on_table:
+            state[layout.command] += stretch
         return state
 
     def rates(self, mode: Mode, late: int) -> Matrix:
@@ -226,12 +225,11 @@ class System:
             self._steps[mode] = steps
         return self._steps[mode]
 
-    def from_sample_to_sample(self, mode: Mode) -> Matrix:
-        """Return what a sample with its controller makes of the state just before it."""
-        step = self.control
-        for part in self.steps(mode):
-            step = part @ step
-        return step
+    def over_sample(self, mode: Mode, state: Matrix) -> Matrix:
+        """Return what a sample makes of a state behind the controller, or of a matrix of them."""
+        for step in self.steps(mode):
+            state = step @ state
+        return state
 
     @property
     def sliding(self) -> Mode:
@@ -283,7 +281,7 @@ class System:
             force /= axis.m
         return rates
 
-    def _controller(self) -> tuple[Vector, Matrix]:
+    def _controller(self) -> Matrix:
         drive, layout = self.drive, self.layout
         unit = np.eye(layout.size)
         error = unit[layout.command] - unit[TABLE if drive.on_table else MOTOR]
@@ -292,16 +290,15 @@ class System:
         grown = unit[INTEGRAL].copy()
         if drive.T_n > 0.0:
             grown += drive.K_p * drive.T_s / drive.T_n * deviation
-        wanted = drive.K_p * deviation + grown
+        force = drive.K_p * deviation + grown
         # The feed of the study is forward throughout.
-        wanted[layout.one] += drive.friction_feedforward
+        force[layout.one] += drive.friction_feedforward
         control = unit.copy()
         control[INTEGRAL] = grown
         control[LAST] = unit[MOTOR]
         if drive.lag == 0.0:
             # The place is not in use.
             control[FORCE] = 0.0
-        force = wanted
         for number, of_force in enumerate(drive.filters):
             b0, b1, b2, a1, a2 = of_force.coefficients(drive.T_s)
             first = layout.filters + 2 * number
@@ -312,7 +309,7 @@ class System:
         for place in range(layout.filters - 1, layout.commands, -1):
             control[place] = unit[place - 1]
         control[layout.commands] = force
-        return wanted, control
+        return control
 
 
 def _growth(axis: Axis) -> tuple[Vector, Vector]:
