@@ -105,11 +105,8 @@ def estimated_critical_feed(axis: Axis) -> float:
 
     It is that of a rigid drive whose table is damped as the least damped swing of the sliding loop.
     """
-    damping = swing(axis).damping
-    if damping <= 0.0:
-        return math.inf
-    if damping >= 1.0:
-        return 0.0
+    # From a damping ratio of 1 on nothing jumps; without damping the jumps have no end.
+    damping = min(max(swing(axis).damping, 0.0), 2.0)
     return float(coulomb_limit(damped(axis, damping).block(1.0)))
 
 

@@ -22,7 +22,7 @@ from .critical import (
 )
 from .levers import BELOW, END, cured, cures
 from .loop.jumps import Limit
-from .loop.rest import Hunting, Start, hunting
+from .loop.rest import Hunting, hunting, limit_from_rest
 from .loop.stability import Response, gain_limits, is_stable, open_loop, swing
 from .one_thread import one_thread
 from .verdict import AxisCure, OperatingPoint, Verdict, feed_in_words, in_words, judder, smallest
@@ -92,7 +92,7 @@ def _hunting(axis: Axis) -> Hunting | None:
 def _from_rest(axis: Axis, highest: float) -> float | None:
     if axis.drive is None or axis.demand.acceleration is None or highest == 0.0:
         return None
-    return Start(axis, axis.demand.acceleration).limit(highest)
+    return limit_from_rest(axis, axis.demand.acceleration, highest)
 
 
 def _points(axis: Axis, limits: CriticalVelocity, start: float | None) -> Iterator[OperatingPoint]:

@@ -150,11 +150,6 @@ class Verdict:
         """The smallest change of each aim, without those that are none to name."""
         return smallest(self.cures)
 
-    @property
-    def judder(self) -> OperatingPoint | None:
-        """The slowest feed at which the axis judders; None where it does at none."""
-        return judder(self.points)
-
 
 def judder(points: Iterable[OperatingPoint]) -> OperatingPoint | None:
     """Return the slowest of some points, in order, at which the axis judders."""

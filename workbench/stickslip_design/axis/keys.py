@@ -32,9 +32,6 @@ _OF_DRIVES: Final = (
 UNITS: Final = Units(on_data_sheet, KINDS | {kind.unit: kind for kind in _OF_DRIVES})
 """How quantities are written in an axis file."""
 
-NUMBER: Final = ("1",)
-"""Units of a plain number."""
-
 
 @dataclass(frozen=True)
 class Range:
@@ -139,7 +136,7 @@ class Key:
     @property
     def bare(self) -> Kind | None:
         """What a number without a unit is."""
-        return self.kinds[0] if self.units == NUMBER else None
+        return self.kinds[0] if self.units == ("1",) else None
 
     @property
     def required(self) -> bool:

@@ -8,9 +8,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from functools import cached_property
+from functools import cache, cached_property
 from itertools import pairwise
 from typing import Final, Literal, NamedTuple
+
+import numpy as np
 
 from stickslip_ref import SETTLED, STICKS, Interval, Kind, Regime, StickSlip, Swinging, merged
 
@@ -85,7 +87,7 @@ class Courses:
         self._axis, self._feed = axis, feed
         self._system = System(axis)
         self._motion = Motion(self._system)
-        self._stable: dict[int, bool] = {}
+        self._decays = cache(lambda line: swing(axis, line=line).damping > 0.0)
 
     @one_thread
     def course(self, begin: Begin) -> Course:
@@ -244,12 +246,8 @@ class Courses:
         """Return whether a swing stays on the feed's line of the friction, and decays there."""
         speeds = [self._feed, *(event.speed for event in run)]
         low, high = min(speeds), max(speeds)
-        for number, line in enumerate(self._system.lines):
-            if line.low <= low and high <= line.high:
-                if number not in self._stable:
-                    self._stable[number] = swing(self._axis, line=line).damping > 0.0
-                return self._stable[number]
-        return False
+        lines = (line for line in self._system.lines if line.low <= low and high <= line.high)
+        return any(map(self._decays, lines))
 
     def _swing(self, run: list[Extreme]) -> Swinging:
         """Return the swing of the last extremes; of one that is not even, its whole range.
@@ -259,7 +257,7 @@ class Courses:
         rises = [peak.time for dip, peak in pairwise(run) if dip.speed < self._feed < peak.speed]
         last = rises[-_LAST // 2 :]
         frequency = (len(last) - 1) / (last[-1] - last[0]) if len(last) > 1 else math.nan
-        return Swinging(0.5 * _height(run[-_LAST:]) / self._feed, frequency)
+        return Swinging(0.5 * _heights(run, 1)[0] / self._feed, frequency)
 
     def _settling(self, events: list[Extreme]) -> float:
         """Return the time from the first break-away until the speed stays near the feed [s]."""
@@ -328,16 +326,11 @@ def jolted(axis: Axis, feed: float) -> Iterator[Kind]:
     yield courses.course("struck").kind
 
 
-def _heights(run: list[Extreme]) -> tuple[float, float, float]:
-    """Return the ranges of the speed over the last three windows of extremes [m/s]."""
-    first, second = len(run) - 2 * _LAST, len(run) - _LAST
-    return _height(run[first - _LAST : first]), _height(run[first:second]), _height(run[second:])
-
-
-def _height(extremes: list[Extreme]) -> float:
-    """Return the range of the speed [m/s]."""
-    speeds = [extreme.speed for extreme in extremes]
-    return max(speeds) - min(speeds)
+def _heights(run: list[Extreme], windows: int = 3) -> list[float]:
+    """Return the ranges of the speed over the last windows of extremes [m/s]."""
+    speeds = [extreme.speed for extreme in run[-windows * _LAST :]]
+    ranges: list[float] = np.ptp(np.reshape(speeds, (windows, -1)), axis=1).tolist()
+    return ranges
 
 
 def regime_in_loop(axis: Axis, feed: float, limit: Limit | None = None) -> Regime:

@@ -73,10 +73,10 @@ class Jumping:
         # Within a swing; where the friction falls, going on so could grow without end.
         swing = 2.0 * math.pi * math.sqrt(axis.m / axis.k)
         event = self._followed(Mode(0, 1), self._moved(feed))
+        if event is None:
+            return None
         jumps: list[Jump] = []
         for _ in range(_MOST):
-            if event is None:
-                return None
             if len(jumps) >= _CYCLES and self._settled(jumps):
                 break
             slip = self._followed(event.mode, event.point) if event.mode.table == 1 else None
@@ -86,11 +86,10 @@ class Jumping:
             least = self._motion.follow(slip.before, (turn,), slip.reached.point, swing)
             way = float(slip.point.state[TABLE] - event.point.state[TABLE])
             event = self._followed(slip.mode, _centred(system, slip.point))
-            if event is not None:
-                period = slip.time + event.time
-                jumps.append(Jump(way, period, float(least.point.state[SPEED])))
-        if event is None:
-            return None
+            if event is None:
+                return None
+            period = slip.time + event.time
+            jumps.append(Jump(way, period, float(least.point.state[SPEED])))
         self._at, self.feed = event.reached.point, feed
         return jumps
 

@@ -9,6 +9,7 @@ dead band are left out.
 from __future__ import annotations
 
 import math
+from functools import cache
 from itertools import pairwise
 from typing import Final, NamedTuple
 
@@ -150,6 +151,9 @@ class System:
         When each part begins and the last one ends, since the sample [s].
     control
         What the controller makes of the state at a sample.
+    rates, steps
+        The matrix of d state/dt in a mode under the `late`-th last commanded force; and what each
+        part of a sample makes of the state in a mode.
     growth
         Rates [1/s] and forces [N] of the parts by which static friction grows while the table
         rests: each lacks its force times exp(-rate t).
@@ -176,8 +180,7 @@ class System:
         self.offsets = np.concatenate(([0.0], np.cumsum([part.length for part in self.parts])))
         self.offsets[-1] = self.drive.T_s
         self.control = self._controller()
-        self._rates: dict[tuple[Mode, int], Matrix] = {}
-        self._steps: dict[Mode, list[Matrix]] = {}
+        self.rates, self.steps = cache(self._rates), cache(self._steps)
 
     def at_rest(self) -> Vector:
         """Return the state at rest: all 0 but the number 1, static friction not yet grown."""
@@ -212,19 +215,6 @@ class System:
             state[layout.command] += stretch
         return state
 
-    def rates(self, mode: Mode, late: int) -> Matrix:
-        """Return the matrix of d state/dt under the `late`-th last commanded force."""
-        if (mode, late) not in self._rates:
-            self._rates[mode, late] = self._differentiated(mode, late)
-        return self._rates[mode, late]
-
-    def steps(self, mode: Mode) -> list[Matrix]:
-        """Return what each part of a sample makes of the state."""
-        if mode not in self._steps:
-            steps = [expm(self.rates(mode, part.late) * part.length) for part in self.parts]
-            self._steps[mode] = steps
-        return self._steps[mode]
-
     def over_sample(self, mode: Mode, state: Matrix) -> Matrix:
         """Return what a sample makes of a state behind the controller, or of a matrix of them."""
         for step in self.steps(mode):
@@ -254,7 +244,10 @@ class System:
             parts += [Part(length / count, late)] * count
         return tuple(parts)
 
-    def _differentiated(self, mode: Mode, late: int) -> Matrix:
+    def _steps(self, mode: Mode) -> list[Matrix]:
+        return [expm(self.rates(mode, part.late) * part.length) for part in self.parts]
+
+    def _rates(self, mode: Mode, late: int) -> Matrix:
         axis, drive, layout = self.axis, self.drive, self.layout
         rates = np.zeros((layout.size, layout.size))
         rates[layout.command, layout.feed] = 1.0
