@@ -8,6 +8,7 @@ import shlex
 import sys
 from collections.abc import Mapping
 from hashlib import sha256
+from importlib import import_module
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
@@ -24,15 +25,7 @@ class ExtraMissingError(ImportError):
 
 
 def need(module: str, extra: str = "studies") -> Any:
-    """Import a module that an extra of the project brings.
-
-    Raises
-    ------
-    ExtraMissingError
-        If it is not installed; the message says how to install it.
-    """
-    from importlib import import_module
-
+    """Import a module that an extra of the project brings; ExtraMissingError if not installed."""
     try:
         return import_module(module)
     except ImportError as error:

@@ -267,11 +267,7 @@ def _factor_of_servo(lever: Lever, feed: float, now: float) -> float | None:
     known = False
     scale = exact[low] / estimate(low)
     for _ in range(_MOST):
-
-        def scaled(factor: float, by: float = scale) -> float:
-            return by * estimate(factor)
-
-        guess = _first(scaled, feed, low) or high
+        guess = _first(estimate, feed / scale, low) or high
         if not low < guess < high:
             guess = math.sqrt(low * high) if known else high
         # A little beyond, so that both sides come close.

@@ -126,11 +126,9 @@ class Courses:
             return Mode(1, 1), point
         if begin == "rest":
             state = system.at_rest()
-            acceleration = axis.demand.acceleration
-            if acceleration is None:
-                state[system.layout.feed] = feed
-            else:
-                state[system.layout.acceleration] = acceleration
+            ramp = axis.demand.acceleration
+            begins = (feed, 0.0) if ramp is None else (0.0, ramp)
+            state[[system.layout.feed, system.layout.acceleration]] = begins
             return Mode(0, motor), Point(state, 0.0)
         return self._beside(_DEVIATION)
 

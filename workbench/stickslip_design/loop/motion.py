@@ -178,17 +178,14 @@ class Motion:
         powers[0] = np.eye(size)
         for number in range(_SAMPLES):
             powers[number + 1] = inside[-1] @ powers[number]
-        begin = np.empty((len(system.parts), len(margins), 2, size))
-        end = np.empty_like(begin)
-        for number, part in enumerate(system.parts):
+        both = []
+        for part in system.parts:
             rows = np.array([margin.under(system, part.late) for margin in margins])
-            both = np.stack([rows, rows @ system.rates(mode, part.late)], axis=1)
-            begin[number] = both @ inside[number]
-            end[number] = both @ inside[number + 1]
+            both.append(np.stack([rows, rows @ system.rates(mode, part.late)], axis=1))
         shape = (_SAMPLES * len(system.parts), len(margins), 2, size)
         spread = [
-            np.einsum("pmvi,sij->spmvj", each, powers[:-1], optimize=True).reshape(shape)
-            for each in (begin, end)
+            np.einsum("pmvi,sij->spmvj", both @ each, powers[:-1], optimize=True).reshape(shape)
+            for each in (np.stack(inside[:-1])[:, None], np.stack(inside[1:])[:, None])
         ]
         return _Trace(powers, inside, *spread)
 

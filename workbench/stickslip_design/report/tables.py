@@ -200,14 +200,13 @@ def _against(value: float | None, first: float) -> str:
 def loop(verdict: Verdict) -> Grid:
     """Return how the loop swings and what gains it bears; without rows on a rigid drive."""
     rows: list[tuple[str, str]] = []
-    for name, swing in (("sliding", verdict.sliding), ("stuck", verdict.stuck)):
+    for name, swing in (("sliding fast", verdict.sliding), ("stuck", verdict.stuck)):
         if swing is not None:
             swings = "does not swing"
             if math.isfinite(swing.damping) and swing.w > 0.0:
                 damping = f"{number(100.0 * swing.damping)} %"
                 swings = f"{told(swing.frequency, 'Hz')}, damping ratio {damping}"
-            where = "sliding fast" if name == "sliding" else name
-            rows.append((f"least damped swing, table {where}", swings))
+            rows.append((f"least damped swing, table {name}", swings))
     drive, gains = verdict.axis.drive, verdict.gains
     if drive is not None and gains is not None:
         rows.append(("stable up to K_v, all else held", _borne(drive.K_v, gains.K_v, "1/s")))
