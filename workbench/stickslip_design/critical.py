@@ -69,10 +69,7 @@ def critical_feed(axis: Axis, highest: float = math.inf) -> float:
 
 def rigid_critical_feed(axis: Axis) -> float:
     """Return the critical feed of an axis on a rigid drive [m/s], under its own friction law."""
-    p = axis.block(1.0)
-    if axis.friction.constant:
-        return float(coulomb_limit(p))
-    return critical_velocity(p, axis.friction.law, axis.friction.own).highest
+    return limits_of(replace(axis, drive=None)).highest
 
 
 def judders(axis: Axis, feed: float) -> bool:
@@ -166,20 +163,11 @@ class Record(NamedTuple):
 def record(axis: Axis, feed: float, span: float) -> Record:
     """Return how the table moves after a break-away at a feed [m/s], above 0, over a span [s]."""
     time = np.linspace(0.0, span, _POINTS)
-    place = _of_rigid(axis, feed, time) if axis.drive is None else _of_servo(axis, feed, time)
-    return Record(time, place - feed * time)
-
-
-def _of_rigid(axis: Axis, feed: float, time: Floats) -> Floats:
-    p = axis.block(feed)
-    load_up = max(axis.F_s - axis.along, 0.0) / (axis.k * feed)
-    law, own = axis.friction.law, axis.friction.own
-    run = simulate(p, load_up + float(time[-1]), times=load_up + time, law=law, own=own)
-    place: Floats = run.x - run.x[0]
-    return place
-
-
-def _of_servo(axis: Axis, feed: float, time: Floats) -> Floats:
+    if axis.drive is None:
+        load_up = max(axis.F_s - axis.along, 0.0) / (axis.k * feed)
+        law, own = axis.friction.law, axis.friction.own
+        run = simulate(axis.block(feed), load_up + span, times=load_up + time, law=law, own=own)
+        return Record(time, run.x - run.x[0] - feed * time)
     motion = Motion(System(axis))
     mode, point = Mode(0, 1), loaded(motion.system, feed)
     place = np.empty_like(time)
@@ -187,4 +175,6 @@ def _of_servo(axis: Axis, feed: float, time: Floats) -> Floats:
         *_, turn = walk(motion, mode, point, float(step))
         mode, point = turn.mode, turn.point
         place[number] = point.state[TABLE]
-    return place if math.isfinite(float(place[-1])) else np.full_like(time, math.nan)
+    if not math.isfinite(float(place[-1])):
+        place[:] = math.nan
+    return Record(time, place - feed * time)

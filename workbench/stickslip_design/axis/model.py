@@ -74,14 +74,12 @@ class Filter:
             # w/(s + w)
             scale = q + w
             return w / scale, w / scale, 0.0, (w - q) / scale, 0.0
-        # (s^2 + 2 above w s + w^2)/(s^2 + 2 damping w s + w^2); of a low pass w^2 alone is above.
+        # (s^2 + 2 depth damping w s + w^2)/(s^2 + 2 damping w s + w^2); above, a low pass has w^2.
         scale = q * q + 2.0 * self.damping * w * q + w * w
         a1, a2 = 2.0 * (w * w - q * q) / scale, (q * q - 2.0 * self.damping * w * q + w * w) / scale
-        if self.kind == "low pass":
-            b = w * w / scale
-            return b, 2.0 * b, b, a1, a2
-        above = 2.0 * self.depth * self.damping * w * q
-        return (q * q + above + w * w) / scale, a1, (q * q - above + w * w) / scale, a1, a2
+        s2 = 0.0 if self.kind == "low pass" else q * q
+        s1, b1 = 2.0 * self.depth * self.damping * w * q, 2.0 * (w * w - s2) / scale
+        return (s2 + s1 + w * w) / scale, b1, (s2 - s1 + w * w) / scale, a1, a2
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -85,7 +85,10 @@ class Jumping:
             turn = extreme(system, slip.before, rising=False)
             least = self._motion.follow(slip.before, (turn,), slip.reached.point, swing)
             way = float(slip.point.state[TABLE] - event.point.state[TABLE])
-            event = self._followed(slip.mode, _centred(system, slip.point))
+            # The table is at 0 again.
+            state, offset = slip.point.state.copy(), slip.point.offset
+            state[[MOTOR, TABLE, LAST, system.layout.command]] -= state[TABLE]
+            event = self._followed(slip.mode, Point(state, offset))
             if event is None:
                 return None
             period = slip.time + event.time
@@ -148,8 +151,7 @@ def limit_of_jumps(axis: Axis, highest: float = math.inf, begin: float | None = 
     for feed in dict.fromkeys(feeds):
         if feed > 0.0:
             cycle = Jumping(axis, feed)
-            jumps = cycle.at(feed)
-            if jumps is not None:
+            if (jumps := cycle.at(feed)) is not None:
                 break
     else:
         return Limit(0.0, None)
@@ -193,10 +195,3 @@ def beginnings(axis: Axis) -> list[float]:
 def _least(jumps: list[Jump]) -> float:
     """Return the highest of the least speeds of the settled slips: the first not to stop."""
     return max(jump.least for jump in jumps[-(_CYCLES // 2) :])
-
-
-def _centred(system: System, point: Point) -> Point:
-    """Return a point with the table at 0."""
-    state = point.state.copy()
-    state[[MOTOR, TABLE, LAST, system.layout.command]] -= state[TABLE]
-    return Point(state, point.offset)

@@ -126,9 +126,8 @@ class Motion:
             rates = system.rates(mode, part.late)
             length = min(left, until - passed)
             after = expm(rates * length) @ state
-            rows = [margin.under(system, part.late) for margin in margins]
             both = np.array([[state, rates @ state], [after, rates @ after]])
-            ends = [both @ row for row in rows]
+            ends = [both @ margin.under(system, part.late) for margin in margins]
             crossing, which = _first(ends, length)
             if crossing < math.inf:
                 there = Point(expm(rates * crossing) @ state, offset + crossing)
@@ -280,19 +279,14 @@ def after(system: System, mode: Mode, reached: Event) -> tuple[Mode, Point]:
         mode = mode._replace(table=1 if reached.event == "forward" else -1)
     elif reached.event == "motor stops":
         state[MOTOR_SPEED] = 0.0
-        late = _late(system, offset)
+        part = int(np.searchsorted(system.offsets, offset, side="right")) - 1
+        late = system.parts[min(part, len(system.parts) - 1)].late
         force = state[FORCE if drive.lag > 0.0 else system.layout.commands + late] - pull
         direction = 0 if abs(force) <= drive.dry else int(math.copysign(1.0, force))
         mode = mode._replace(motor=direction)
     elif reached.event in ("motor forward", "motor backward"):
         mode = mode._replace(motor=1 if reached.event == "motor forward" else -1)
     return mode, Point(state, offset)
-
-
-def _late(system: System, offset: float) -> int:
-    """Return which commanded force holds at a time after a sample."""
-    number = int(np.searchsorted(system.offsets, offset, side="right")) - 1
-    return system.parts[min(max(number, 0), len(system.parts) - 1)].late
 
 
 def _first(ends: Iterable[Any], length: float) -> tuple[float, int]:

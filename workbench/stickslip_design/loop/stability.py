@@ -158,7 +158,6 @@ def _eigenvalues(system: System, mode: Mode) -> np.ndarray[tuple[int], np.dtype[
     return np.linalg.eigvals(step).astype(np.complex128)
 
 
-Complex = NDArray[np.complex128]
 Cut = Literal["force", "position"]
 
 _POINTS: Final = 600
@@ -178,7 +177,7 @@ class Response:
     """Whether the table slides, or is stuck."""
     frequency: Vector
     """[Hz], rising, up to half the sampling."""
-    gain: Complex
+    gain: NDArray[np.complex128]
     """Of the open loop, complex [-]; the loop closes with its negative."""
     gain_margin: float
     phase_margin: float

@@ -19,7 +19,7 @@ from scipy.linalg import expm
 
 from stickslip_ref import STRIBECK, Shape
 
-from ..axis import Axis, Drive
+from ..axis import Axis
 
 _LINES: Final = 24
 """Lines of a smooth fall: within 0.2 % of its drop."""
@@ -165,7 +165,10 @@ class System:
         if axis.drive is None:
             raise ValueError("an axis on a rigid drive has no loop")
         self.axis, self.drive, self.lines = axis, axis.drive, lines or lines_of(axis)
-        whole, rest = _whole_samples(self.drive)
+        # The dead time in whole samples, and the rest [s].
+        whole = math.floor(self.drive.dead_time / self.drive.T_s + _NONE)
+        rest = self.drive.dead_time - whole * self.drive.T_s
+        rest = rest if rest > _NONE * self.drive.T_s else 0.0
         waiting = whole + (2 if rest > 0.0 else 1)
         filters = LAST + 1 + waiting
         command = filters + 2 * len(self.drive.filters)
@@ -316,10 +319,3 @@ def _growth(axis: Axis) -> tuple[Vector, Vector]:
         rates = np.append(rates, 1.0 / friction.tau_s)
         forces = np.append(forces, axis.F_s - axis.F_k)
     return rates, forces
-
-
-def _whole_samples(drive: Drive) -> tuple[int, float]:
-    """Return the dead time in whole samples, and the rest [s]."""
-    whole = math.floor(drive.dead_time / drive.T_s + _NONE)
-    rest = drive.dead_time - whole * drive.T_s
-    return whole, rest if rest > _NONE * drive.T_s else 0.0
