@@ -122,9 +122,7 @@ def _levers_of_drive(axis: Axis, drive: Drive) -> Iterator[Lever]:
         return replace(axis, drive=replace(drive, **changes))  # type: ignore[arg-type]
 
     held = "T_n times the bandwidth" if shape > 0.0 else ""
-    position = Lever(
-        "position gain", "K_v", "1/s", True, drive.K_v, lambda K_v: with_drive(K_v=K_v)
-    )
+    position = Lever("position gain", "K_v", "1/s", True, drive.K_v, lambda g: with_drive(K_v=g))
     velocity = Lever(
         "bandwidth", "bandwidth", "1/s", True, drive.bandwidth,
         lambda w: with_drive(bandwidth=w, T_n=shape / w), held,
@@ -158,8 +156,7 @@ def cures(axis: Axis, feed: float, now: float, aim: str = END) -> tuple[AxisCure
     then, note = (now, "") if now < math.inf else (None, "without damping the jumps have no end")
     found.append(AxisCure("faster", "feeds", "m/s", feed, then, now / feed, aim, note=note))
     largest = axis.demand.largest_jump
-    jumps = jumps_of(axis, feed) if largest is not None else None
-    if largest is not None and jumps is not None and jumps.way > largest:
+    if largest is not None and (jumps := jumps_of(axis, feed)) and jumps.way > largest:
         for lever, end in zip(levers(axis), list(found), strict=False):
             factor = _factor_below(lever, feed, largest, end.effort)
             if factor is not None:

@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from functools import cache, cached_property
-from itertools import pairwise
+from itertools import pairwise, takewhile
 from typing import Final, Literal, NamedTuple
 
 import numpy as np
@@ -135,8 +135,7 @@ class Courses:
     def _beside(self, deviation: float) -> tuple[Mode, Point]:
         """Return even motion but for the table's speed, which is off by so much of the feed."""
         system, axis, feed = self._system, self._axis, self._feed
-        line = next(n for n, line in enumerate(system.lines) if feed <= line.high)
-        sliding = system.lines[line]
+        sliding = next(line for line in system.lines if feed <= line.high)
         force = sliding.force + sliding.slope * (feed - sliding.low) + axis.c * feed - axis.along
         state = system.holding(force, feed, force / axis.k)
         state[SPEED] = feed * (1.0 + deviation)
@@ -231,10 +230,8 @@ class Courses:
 
     def _run(self, events: list[Extreme]) -> list[Extreme]:
         """Return the last extremes, back to the last stop or break-away."""
-        begin = len(events)
-        while begin and events[begin - 1].name in ("peak", "dip"):
-            begin -= 1
-        return events[begin:]
+        run = takewhile(lambda event: event.name in ("peak", "dip"), reversed(events))
+        return [*run][::-1]
 
     @cached_property
     def _even_is_stable(self) -> bool:
@@ -344,8 +341,7 @@ def regime_in_loop(axis: Axis, feed: float, limit: Limit | None = None) -> Regim
     # One that was followed to a stop only ends as jumps do.
     found = [found[1] if course == Course("sticks") else course for course in found]
     rest = found[0]
-    cycles = [course.stick_slip for course in found if course.stick_slip is not None]
-    stick_slip = cycles[0] if cycles else None
+    stick_slip = next(filter(None, (course.stick_slip for course in found)), None)
     if axis.friction.law == "coulomb":
         stick_slip = _carried(axis, feed, limit, stick_slip)
     swings: list[Swinging] = []

@@ -116,14 +116,10 @@ class Jumping:
 
     def _moved(self, feed: float) -> Point:
         """Return where the cycle stands, with an even motion of the difference in feed added."""
-        system = self._system
-        state = self._at.state.copy()
-        difference = feed - self.feed
-        if difference:
-            even = system.holding(0.0, difference) - system.holding(0.0, 0.0)
-            even[LAST] *= self._at.offset / system.drive.T_s
-            state += even
-        return Point(state, self._at.offset)
+        system, state = self._system, self._at.state
+        even = system.holding(0.0, feed - self.feed) - system.holding(0.0, 0.0)
+        even[LAST] *= self._at.offset / system.drive.T_s
+        return Point(state + even, self._at.offset)
 
 
 def loaded(system: System, feed: float) -> Point:

@@ -238,13 +238,11 @@ class System:
         axis, drive = self.axis, self.drive
         rate = math.sqrt(axis.k / drive.inertia + axis.k / axis.m)
         rate += drive.d / drive.inertia + axis.c / axis.m
-        stretches = [Part(drive.T_s - rest, whole)]
-        if rest > 0.0:
-            stretches.insert(0, Part(rest, whole + 1))
         parts: list[Part] = []
-        for length, late in stretches:
-            count = max(1, math.ceil(length * rate / _FINEST))
-            parts += [Part(length / count, late)] * count
+        for length, late in ((rest, whole + 1), (drive.T_s - rest, whole)):
+            # Without a rest that part is none.
+            count = math.ceil(length * rate / _FINEST)
+            parts += [Part(length / count, late) for _ in range(count)]
         return tuple(parts)
 
     def _steps(self, mode: Mode) -> list[Matrix]:
@@ -302,8 +300,7 @@ class System:
             control[first] = b1 * force - a1 * out + unit[first + 1]
             control[first + 1] = b2 * force - a2 * out
             force = out
-        for place in range(layout.filters - 1, layout.commands, -1):
-            control[place] = unit[place - 1]
+        control[layout.commands + 1 : layout.filters] = unit[layout.commands : layout.filters - 1]
         control[layout.commands] = force
         return control
 

@@ -169,9 +169,9 @@ def critical_feeds(verdict: Verdict) -> Grid:
     found: list[tuple[str, float | None]] = [(first, verdict.critical_feed)]
     if not rigid:
         start = verdict.axis.demand.acceleration
-        reached = NONE if start is None else told(start, "m/s2", EXACT)
+        reached = "" if start is None else f", at {told(start, 'm/s2', EXACT)}"
         found += [
-            (f"from rest, at {reached}" if start is not None else "from rest", verdict.from_rest),
+            (f"from rest{reached}", verdict.from_rest),
             ("quick estimate: rigid drive, damping of the loop", verdict.estimated_critical_feed),
             ("on a rigid drive", verdict.rigid_critical_feed),
         ]
