@@ -523,12 +523,12 @@ bool instance_begin_set(struct instance *it, const char *call, const struct type
     if (!sound(it)) return false;
     if (count > 0 && !instance_given(it, call, "the list of value references", references))
         return false;
-    if (type->has_time)
-        for (size_t n = 0; n < count; n++)
-            if (is_time(type, references[n]))
-                return instance_fail(it, "time is the independent variable: it cannot be set");
-            else if (is_of_equations(type, references[n]))
-                return instance_fail(it, "derivatives and indicators cannot be set");
+    for (size_t n = 0; n < count; n++) {
+        if (is_time(type, references[n]))
+            return instance_fail(it, "time is the independent variable: it cannot be set");
+        if (is_of_equations(type, references[n]))
+            return instance_fail(it, "derivatives and indicators cannot be set");
+    }
     return lists(it, call, references, count, values, value_count);
 }
 
