@@ -482,26 +482,31 @@ bool instance_begin_get(struct instance *it, const char *call, const struct type
     return refused == ACCEPTED || refuse_get(it, type, references, count, refused);
 }
 
+/* Read a variable of an instance that holds its discrete outputs, or that a solver moves. */
+static enum refusal read_beside(struct instance *it, uint32_t reference, double *value)
+{
+    struct block scratch;
+    const struct row *row = &ROWS[reference];
+    if (it->now.solved && !row->settable) {
+        const enum refusal refused = adopt(it);
+        if (refused != ACCEPTED) return refused;
+        return continuous_read(&it->now.solver, acting(it, &scratch), (enum reference)reference,
+                               value);
+    }
+    if (row->discrete < 0) return block_read(&it->now.block, (enum reference)reference, value);
+    *value = it->now.held[row->discrete];
+    return ACCEPTED;
+}
+
 bool instance_get(struct instance *it, const struct type *type, const uint32_t references[],
                   size_t count, size_t position, double *value)
 {
     const uint32_t reference = references[position];
     enum refusal refused = ACCEPTED;
     if (has(type, reference)) {
-        if (it->now.solved && !ROWS[reference].settable) {
-            struct block scratch;
-            refused = adopt(it);
-            if (refused == ACCEPTED) {
-                struct block *block = acting(it, &scratch);
-                refused = continuous_read(&it->now.solver, block, (enum reference)reference, value);
-            }
-            return refused == ACCEPTED || refuse_get(it, type, references, count, refused);
-        }
-        if (it->now.holds && ROWS[reference].discrete >= 0) {
-            *value = it->now.held[ROWS[reference].discrete];
-            return true;
-        }
-        refused = block_read(&it->now.block, (enum reference)reference, value);
+        refused = it->now.holds || it->now.solved
+                      ? read_beside(it, reference, value)
+                      : block_read(&it->now.block, (enum reference)reference, value);
         if (refused == ACCEPTED) return true;
     } else if (is_time(type, reference)) {
         *value = it->now.time;

@@ -24,8 +24,8 @@ struct situation {
     enum phase phase;
     bool settled; /* whether the block was started from `values` */
     bool holds;   /* whether discrete outputs are held from event mode to event mode */
-    double held[DISCRETE]; /* those outputs, 0 where they are not held */
-    bool solved; /* whether a solver of the simulator's moves the block, from its start on */
+    bool solved;  /* whether a solver of the simulator's moves the block, from its start on */
+    double held[DISCRETE];    /* the outputs that are held, else 0 */
     struct continuous solver; /* zeros where none does */
 };
 
