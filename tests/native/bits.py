@@ -89,7 +89,6 @@ def _draw_stribeck(random_: random.Random, name: str, values: Mapping[str, float
 
 
 def bits(values: list[float] | None) -> bytes | None:
-    """Return the bytes of doubles."""
     return None if values is None else struct.pack(f"<{len(values)}d", *values)
 
 
@@ -174,7 +173,6 @@ def _draw_any(random_: random.Random, name: str, values: Mapping[str, float]) ->
 
 
 def outputs(core: Core, block: Any) -> list[float]:
-    """Return the outputs of a block in Python, in the order of their numbers."""
     if block.stale:
         block.refresh()
     found = []

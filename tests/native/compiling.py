@@ -16,7 +16,6 @@ def run(*command: object, cwd: Path | None = None) -> str:
 
 
 def written(sources: Mapping[str, bytes], folder: Path) -> list[Path]:
-    """Write sources and headers into a folder, and return the C files."""
     folder.mkdir(parents=True, exist_ok=True)
     for name, content in sources.items():
         (folder / name).write_bytes(content)

@@ -13,14 +13,12 @@ ACCEPTED = 0
 
 
 def sources(law: str) -> dict[str, bytes]:
-    """Return the sources of the block under a friction law, without those of FMI."""
     spec, own = native_law(law)
     made = {name: text.encode() for name, text in table_files(spec).items()}
     return made | {file.name: file.read_bytes() for file in (*HOME.glob("core/*.[ch]"), *own)}
 
 
 def compile_core(folder: Path, law: str = "coulomb", flags: Iterable[str] = ()) -> Path:
-    """Compile the core with a friction law into a shared library in `folder`, and return it."""
     library = folder / "core.so"
     run("cc", *FLAGS, *flags, *written(sources(law), folder), "-o", library, "-lm")
     return library

@@ -54,7 +54,6 @@ class Counts:
 
 
 def counting(folder: Path, texts: dict[str, bytes]) -> Path:
-    """Compile sources in a folder with counters; return the library."""
     for file in written(texts, folder):
         run("gcc", *_FLAGS, "-c", file, "-o", file.with_suffix(".o"))
     for file in written({"write.c": _WRITE.encode()}, folder):
@@ -64,7 +63,6 @@ def counting(folder: Path, texts: dict[str, bytes]) -> Path:
 
 
 def try_core(folder: Path, law: str) -> None:
-    """Run the rare settings and the sequences of the bits."""
     core = Core(counting(folder, sources(law)), law)
     for _, pairs in comparisons(core, law, SEQUENCES[law]):
         for _ in pairs:
@@ -119,7 +117,6 @@ def run_all() -> dict[str, Counts]:
 
 
 def main() -> int:
-    """Run everything and print the table; return 1 where too little is run."""
     together = run_all()
     total, lacking = Counter[str](), []
     files = (each for each in HOME.rglob("*.c") if each.name in together)

@@ -34,5 +34,4 @@ def heard(path: str, lists: list[list[list[Any]]]) -> list[list[Any]]:
 
 
 def live_blocks(path: str) -> int:
-    """Return the number of blocks of memory that a library holds which counts them."""
     return int(loaded(path).library.live_blocks())

@@ -14,7 +14,6 @@ _METER_SUMS = ("phase", "cycle", "displacement", "relief")
 
 
 def fields(table: Table) -> Iterator[tuple[str, str]]:
-    """Yield the name and the format of each field of a model's states."""
     settings = [row.name for row in table.rows if row.settable]
     yield from HEAD
     yield from ((f"{group}.{name}", "d") for group in ("wanted", "settings") for name in settings)
@@ -55,10 +54,8 @@ def decoded(data: bytes, table: Table) -> dict[str, Any]:
 
 
 def encoded(values: Mapping[str, Any], table: Table) -> bytes:
-    """Return the state of these fields, with their checksum."""
     return checked(struct.pack("<" + "".join(form for _, form in fields(table)), *values.values()))
 
 
 def changed(data: bytes, table: Table, changes: Mapping[str, Any]) -> bytes:
-    """Return a state with other values of some fields, and the checksum of these."""
     return encoded({**decoded(data, table), **changes}, table)

@@ -42,7 +42,6 @@ def standard(version: int) -> set[str]:
 
 
 def called(version: int, pattern: str) -> list[str]:
-    """Return the functions of a version whose names a pattern matches."""
     return sorted(each for each in standard(version) if re.search(pattern, each))
 
 

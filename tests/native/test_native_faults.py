@@ -54,7 +54,6 @@ def objects(kind: str, law: str) -> Path:
 
 
 def faulty(edit: list[str], folder: Path) -> Path:
-    """Return the FMU of sources in which texts take the place of others."""
     file, *texts = edit
     kind, law = kind_of(file)
     healthy = objects(kind, law)

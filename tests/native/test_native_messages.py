@@ -131,7 +131,6 @@ def of_types(version: int, table: Table) -> Iterator[Calls]:
 
 
 def told(host: Host, kind: str, law: str, lists: list[Calls]) -> list[tuple[int, list[str]]]:
-    """Return of each list how many calls were taken, and the messages."""
     found = host.call(heard, built(kind, law), lists, timeout=600.0)
     errors = host.errors().split(f"{MARK}\n")[1:]
     assert len(found) == len(errors) == len(lists)

@@ -1,5 +1,6 @@
 """The native FMU of FMI 3.0 under a solver of the importer's."""
 
+import ctypes as c
 import random
 from functools import cache
 from pathlib import Path
@@ -93,14 +94,19 @@ def test_a_solver_finds_the_motion_of_random_settings(law: str, sized: Sized) ->
         assert np.abs(solved["x"] - stepped["x"]).max() <= 2e-6 * scale, seed
 
 
-def retuned(fmu: Path, *stiffnesses: float) -> list[tuple[Any, ...]]:
-    """Return mode, n_slips, F and W_k after k took each of these values in event mode, at rest."""
+def initialized(fmu: Path, **values: float) -> tuple[Any, dict[str, int]]:
     folder, description = opened(fmu)
     number = {each.name: each.valueReference for each in description.modelVariables}
     instance = instantiate_fmu(folder, description, fmi_type="ModelExchange")
-    instance.setFloat64([number["z_start"]], [0.0045])
+    instance.setFloat64([number[name] for name in values], list(values.values()))
     instance.enterInitializationMode()
     instance.exitInitializationMode()
+    return instance, number
+
+
+def retuned(fmu: Path, *stiffnesses: float) -> list[tuple[Any, ...]]:
+    """Return mode, n_slips, F and W_k after k took each of these values in event mode, at rest."""
+    instance, number = initialized(fmu, z_start=0.0045)
     shown = []
     for k in stiffnesses:
         instance.setFloat64([number["k"]], [k])
@@ -122,6 +128,30 @@ def test_a_spring_that_is_made_stiffer_and_softer_in_event_mode_stores_what_it_w
     assert two == (1, 0, pytest.approx(9.0), pytest.approx(work))
     # A slip of no length has not begun.
     assert three == (0, 0, pytest.approx(4.5), pytest.approx(0.0, abs=1e-18))
+
+
+@pytest.mark.parametrize("x_dot", [0.0, 0.1, -0.1])
+def test_what_moves_with_a_state_or_input_names_it_as_a_dependency(x_dot: float) -> None:
+    _, description = opened(built("native-3"))
+    unknowns = [*description.outputs, *description.derivatives, *description.eventIndicators]
+    reals = {each.variable.name: each for each in unknowns if each.variable.type == "Float64"}
+    instance, number = initialized(built("native-3"), z_start=0.001, x_dot_start=x_dot)
+    instance.updateDiscreteStates()
+    instance.enterContinuousTimeMode()
+    states = (c.c_double * 5)()
+    for n, known in enumerate(("x", "x_dot", "z", "W_pull", "Q_friction", "v", "load", "F_ext")):
+        before = instance.getFloat64([number[name] for name in reals])
+        instance.getContinuousStates(states, 5)
+        if n < 5:
+            states[n] += 0.01
+            instance.setContinuousStates(states, 5)
+        else:
+            instance.setFloat64([number[known]], [0.5])
+        after = instance.getFloat64([number[name] for name in reals])
+        moved = {name for name, *pair in zip(reals, before, after, strict=True) if len({*pair}) > 1}
+        named = {name for name, of in reals.items() if known in {d.name for d in of.dependencies}}
+        assert moved <= named, known
+    instance.freeInstance()
 
 
 @pytest.mark.parametrize("law", LAWS)

@@ -35,7 +35,6 @@ def running(law: str, steps: int = 40, kind: str = "native-2", **values: float) 
 
 
 def course(instance: Instance) -> list[dict[str, Any]]:
-    """Return all values of the steps that follow."""
     shown = []
     for number in range(12):
         if number % 4 == 3:

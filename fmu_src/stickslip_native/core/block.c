@@ -213,10 +213,12 @@ static struct sum elapsed_at(struct sum elapsed, double time, double step, doubl
     return sum_with(sum_with(elapsed, since.high), since.low);
 }
 
-/* The first time at which the arc is over, which it is at time + step [s] or later. */
+/* The first time at which the arc is over, to a rounding of times along it; it is `elapsed` at
+ * time + step [s]. */
 static double time_over(const struct arc *arc, struct sum elapsed, double time, double step)
 {
-    struct sum left = sum_with(elapsed, -arc->duration), exact = sum_with((struct sum){time, 0.0}, step);
+    struct sum left = sum_with(elapsed, -arc->duration);
+    struct sum exact = sum_with((struct sum){time, 0.0}, step);
     exact = sum_with(sum_with(exact, -left.high), -left.low);
     double then = exact.high, more = 0.0;
     while (!is_over(arc, elapsed_at(elapsed, time, step, then + more), &left))

@@ -72,8 +72,8 @@ struct stop {
 };
 
 /* As block_advance, but no further than to the first change of mode, and not through it: outputs
- * show their limits from before. The time told is the first double at or after the exact one; steps
- * that go on from it give what one step would, as what it is late by is kept. */
+ * show their limits from before. The time told is the first double at which the change is over;
+ * steps that go on from it give what one step would, as what it is late by is kept. */
 enum refusal block_advance_to_event(struct block *block, double time, double step,
                                     struct stop *stop);
 

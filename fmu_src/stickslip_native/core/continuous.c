@@ -140,7 +140,7 @@ static int breaks_away(const struct continuous *it, const struct block *block, b
     const int sign = along > 0.0 ? 1 : -1;
     if (direction != 0 || (sign * settings->v <= 0.0 && !it->moved)) return direction;
     if (hold > 0.0) return hold - fabs(force) <= (told ? TOLD : FOUND) * hold ? sign : 0;
-    /* Without a force to break away at, the mass rests as long as that grows faster than the pull. */
+    /* Without a force to break away at, the mass rests while that grows faster than the pull. */
     struct arc stick;
     const enum refusal refused =
         LAW.begin(&block->friction, 0, extension(it), 0.0, 0.0, NO_OWN, &stick);

@@ -10,8 +10,14 @@
 #include <string.h>
 
 static const char *const PHASE_NAMES[PHASES] = {
-    "instantiated", "initialization", "stepping", "stepping, with an event to handle",
-    "event mode",   "continuous time", "terminated"};
+    "instantiated",
+    "initialization",
+    "stepping",
+    "stepping, with an event to handle",
+    "event mode",
+    "continuous time",
+    "terminated",
+};
 
 /* A state that the simulator holds, or held: its mark is that of the FMU, or the complement. */
 struct state {
@@ -334,7 +340,8 @@ enum status instance_step_to_event(struct instance *it, double time, double step
 bool instance_enter_event_mode(struct instance *it)
 {
     if (!sound(it)) return false;
-    if (it->now.phase == CONTINUOUS) {
+    if (it->solves) {
+        if (!require(it, CONTINUOUS, "fmi3EnterEventMode")) return false;
         it->now.phase = EVENT_MODE;
         return true;
     }
