@@ -107,7 +107,6 @@ class Fmu:
         events: bool = False,
         early: bool = False,
     ) -> int | None:
-        """Return the address of a new instance, None where it was refused."""
         folder = self.folder / "resources"
         token = self.token if token is None else token
         if self.version == 2:
@@ -127,7 +126,6 @@ class Fmu:
         return Instance(self, name, events, early)
 
     def started(self, start_time: float = 0.0, **values: float) -> "Instance":
-        """Return a new instance with these values, ready to step."""
         instance = self.instance()
         instance.start(start_time, **values)
         return instance
@@ -185,7 +183,6 @@ class Instance:
         return event, early
 
     def update(self) -> float | None:
-        """Return the time that UpdateDiscreteStates tells of the next event."""
         flags: list[Any] = [c.c_bool() for _ in range(5)]
         time = c.c_double()
         self.call("UpdateDiscreteStates", *(c.byref(each) for each in (*flags, time)))
@@ -193,7 +190,6 @@ class Instance:
         return time.value if flags[4] else None
 
     def handle(self, enter: bool = True) -> float | None:
-        """Go through event mode; return the time of the next event."""
         if enter:
             self.call("EnterEventMode")
         following = self.update()
@@ -203,7 +199,6 @@ class Instance:
     def values(
         self, verb: str, kind: str, references: Sequence[int], values: Sequence[Any]
     ) -> list[Any]:
-        """Get or set variables of a type by their value references."""
         boolean = c.c_int if self.fmu.version == 2 else c.c_bool
         listed = (_C_TYPES.get(kind, boolean) * len(values))(*values)
         sizes = (c.c_size_t(len(references)), listed, c.c_size_t(len(values)))

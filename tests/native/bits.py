@@ -97,7 +97,6 @@ Pairs = Iterator[tuple[list[float] | None, list[float] | None]]
 
 
 def comparisons(core: Core, law: str, count: int) -> Iterator[tuple[object, Pairs]]:
-    """Compare rare settings, sums and random sequences: numbers of both, None where refused."""
     for settings, *moves in RARE[law]:
         yield settings, compared(core, core.spec.table.start_values() | settings, moves)
     # A sum that its last term alone rounds up, and one whose large terms cancel.

@@ -25,8 +25,6 @@ def compile_core(folder: Path, law: str = "coulomb", flags: Iterable[str] = ()) 
 
 
 class Core:
-    """The functions of a compiled core, and the specification of the block in Python."""
-
     def __init__(self, library: Path, law: str = "coulomb") -> None:
         self.spec = native_law(law).spec
         self.outputs = [row.number for row in self.spec.table.rows if not row.settable]

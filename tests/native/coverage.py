@@ -47,8 +47,6 @@ void write_counters(void)
 
 @dataclass
 class Counts:
-    """What was run of one source: times by line, and by branch of a line."""
-
     lines: Counter[int] = field(default_factory=Counter)
     branches: Counter[tuple[int, int]] = field(default_factory=Counter)
 

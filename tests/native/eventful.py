@@ -13,7 +13,6 @@ Values = dict[str, float]
 def course(
     fmu: Fmu, events: bool, early: bool, values: Values, inputs: dict[int, Values]
 ) -> tuple[list[dict[str, Any]], list[float]]:
-    """Return all values at each multiple of H, and the times of stops and events."""
     instance, shown, stops = fmu.instance(events=events, early=early), [], []
     instance.start(BEGIN, **values)
     following = instance.handle(enter=False) if events else None

@@ -43,7 +43,6 @@ def test_all_outputs_are_equal_to_the_bit_after_every_step(
 
 
 def runs(law: str) -> dict[str, list[float]]:
-    """Return random settings whose first slip mostly ends."""
     chance = random.Random(2)
 
     def of_a_run() -> dict[str, float]:

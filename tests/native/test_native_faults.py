@@ -85,7 +85,6 @@ def sequences(manner: str, count: int) -> list[RandomTest]:
 
 
 def failing(pool: processes.Pool, where: str) -> list[str]:
-    """Return how an FMU fails a check in a case, in sequences, or as a whole."""
     check, _, place = where.partition(" in ")
     few = load_invariants().only({check})
     tried = sequences(check, int(place.split()[0])) if place.endswith("sequences") else []
@@ -97,7 +96,6 @@ def failing(pool: processes.Pool, where: str) -> list[str]:
 
 
 def tiers() -> list[ParameterSet]:
-    """Return the names of faults, all but the first one of each check of the size of soak."""
     tried, values = set(), []
     for name, fault in FAULTS.items():
         check = fault["check"].partition(" ")[0]

@@ -29,7 +29,6 @@ def opened(fmu: Path) -> tuple[str, Any]:
 
 
 def both(fmu: Path, tolerance: float, **given: Any) -> tuple[Any, Any]:
-    """Return a run by steps, and one under CVode at the same times."""
     folder, description = opened(fmu)
     names = [each.name for each in description.modelVariables if each.causality == "output"]
     given |= {"output": names, "model_description": description}
