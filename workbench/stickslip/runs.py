@@ -202,10 +202,11 @@ def check_slips(what: Experiment, most: int) -> None:
         # The reference does not have the friction law.
         return
     if period > 0.0 and (slips := what.duration / period) > most:
+        # Beyond that nobody waits for them.
+        allow = f", or allow them by --most-slips {math.ceil(slips)}" if slips < 1e12 else ""
         raise ParameterError(
             "stop_time",
-            f": the run has about {slips:.3g} slips, and {most} are allowed; shorten it, or allow "
-            f"them by --most-slips {math.ceil(slips)}",
+            f": the run has about {slips:.3g} slips, and {most} are allowed; shorten it{allow}",
         )
 
 
