@@ -143,12 +143,15 @@ KINDS = ("python-2", "native-2", "native-3")
 def built(kind: str, law: str = "coulomb") -> Path:
     language, version = kind.split("-")
     face: Literal[2, 3] = 3 if version == "3" else 2
+    solved = version == "2me"
 
     def make(folder: Path) -> None:
         if language == "python":
             packer.build(folder, law=law)
         else:
-            native_packer.build(folder, face=face, this_machine=True, law=law)
+            native_packer.build(
+                folder, face=face, this_machine=True, law=law, model_exchange=solved
+            )
 
     return next(made_once(f"{kind}-{law}", make).glob("*.fmu"))
 

@@ -67,8 +67,7 @@ class Fmu:
         root = ElementTree.parse(self.folder / "modelDescription.xml").getroot()
         self.version = int(root.attrib["fmiVersion"][0])
         self.token = root.attrib["guid" if self.version == 2 else "instantiationToken"].encode()
-        element = root.find("CoSimulation")
-        assert element is not None
+        element = next(each for each in root if each.get("modelIdentifier"))
         self.identifier = element.attrib["modelIdentifier"]
         platform = "linux64" if self.version == 2 else "x86_64-linux"
         self.binary = self.folder / "binaries" / platform / f"{self.identifier}.so"

@@ -51,13 +51,16 @@ _CAPABILITIES: Dict[Face, Dict[str, str]] = {
 _OF_BOTH = (
     "needsExecutionTool",
     "canBeInstantiatedOnlyOncePerProcess",
+    "canNotUseMemoryManagementFunctions",
+    "canGetAndSetFMUstate",
+    "canSerializeFMUstate",
     "canGetAndSetFMUState",
     "canSerializeFMUState",
 )
 
 
 class Equations(NamedTuple):
-    """What a solver of the simulator's integrates, by model exchange of FMI 3.0.
+    """What a solver of the simulator's integrates, by model exchange.
 
     Attributes
     ----------
@@ -115,7 +118,8 @@ def model_description(
     sources
         Files in sources/ that have to be compiled, for FMI 2.0.
     equations
-        What the FMU has for model exchange, in FMI 3.0; None for nothing.
+        What the FMU has for model exchange, None for nothing. An FMU of FMI 2.0 has this interface
+        alone then.
 
     Raises
     ------
@@ -142,11 +146,14 @@ def model_description(
             "variableNamingConvention": "flat",
         },
     )
+    able = _CAPABILITIES[face]
+    interfaces = {"CoSimulation": able}
     if equations is not None:
-        both = {name: _CAPABILITIES[face][name] for name in _OF_BOTH}
-        SubElement(root, "ModelExchange", {"modelIdentifier": spec.name, **both})
-    slave = SubElement(root, "CoSimulation", {"modelIdentifier": spec.name, **_CAPABILITIES[face]})
-    _add(slave, "SourceFiles", (Element("File", {"name": name}) for name in sources))
+        both = {name: able[name] for name in _OF_BOTH if name in able}
+        interfaces = {"ModelExchange": both} if face == 2 else {"ModelExchange": both, **interfaces}
+    for name, attributes in interfaces.items():
+        slave = SubElement(root, name, {"modelIdentifier": spec.name, **attributes})
+        _add(slave, "SourceFiles", (Element("File", {"name": name}) for name in sources))
     _add(root, "UnitDefinitions", _units({**table.units, **(equations.units if equations else {})}))
     _add(root, "TypeDefinitions", _types(table, face))
     _add(root, "LogCategories", _log_categories(refusals))
@@ -156,11 +163,13 @@ def model_description(
     if face == 2:
         _add(root, "VendorAnnotations", _annotations(spec, "Tool", "name"))
     variables = SubElement(root, "ModelVariables")
-    variables.extend(_variables(table, face))
+    variables.extend(_variables(table, face, equations is not None))
     structure = SubElement(root, "ModelStructure")
     _add_structure(structure, table, face)
     if equations is not None:
-        _add_equations(variables, structure, table, equations)
+        _add_equations(variables, structure, table, equations, face)
+        if face == 2:
+            root.set("numberOfEventIndicators", str(len(equations.indicators)))
     if face == 3:
         _add(root, "Annotations", _annotations(spec, "Annotation", "type"))
     return root
@@ -238,7 +247,7 @@ def _annotations(spec: Spec, tag: str, key: str) -> Iterator[Element]:
         yield element
 
 
-def _variables(table: Table, face: Face) -> Iterator[Element]:
+def _variables(table: Table, face: Face, has_time: bool) -> Iterator[Element]:
     for variable in table.rows:
         attributes = {
             "name": variable.name,
@@ -249,14 +258,9 @@ def _variables(table: Table, face: Face) -> Iterator[Element]:
         }
         if variable.causality != "input":
             attributes["initial"] = "calculated" if variable.start is None else "exact"
-        if face == 2:
-            element = Element("ScalarVariable", attributes)
-            SubElement(element, variable.kind, _value_attributes(variable))
-        else:
-            attributes.update(_value_attributes(variable))
-            element = Element(variable.type.fmi3_type, attributes)
-        yield element
-    if face == 3:
+        kind = variable.kind if face == 2 else variable.type.fmi3_type
+        yield _variable(face, kind, attributes, _value_attributes(variable))
+    if face == 3 or has_time:
         time = {
             "name": "time",
             "valueReference": str(table.time_reference),
@@ -264,9 +268,21 @@ def _variables(table: Table, face: Face) -> Iterator[Element]:
             "causality": "independent",
             "variability": "continuous",
         }
+        of_type = {}
         if "Time" in table.quantities:
-            time.update(declaredType="Time", **_type_attributes(table.quantities["Time"]))
-        yield Element("Float64", time)
+            of_type = {"declaredType": "Time", **_type_attributes(table.quantities["Time"])}
+        yield _variable(face, "Real" if face == 2 else "Float64", time, of_type)
+
+
+def _variable(
+    face: Face, kind: str, attributes: Dict[str, str], of_type: Dict[str, str]
+) -> Element:
+    """Return a variable; in FMI 2.0 what belongs to its type is in an element of its own."""
+    if face == 3:
+        return Element(kind, {**attributes, **of_type})
+    element = Element("ScalarVariable", attributes)
+    SubElement(element, kind, of_type)
+    return element
 
 
 def _value_attributes(variable: Variable) -> Dict[str, str]:
@@ -318,35 +334,49 @@ def _add_structure(parent: Element, table: Table, face: Face) -> None:
 
 
 def _add_equations(
-    variables: Element, structure: Element, table: Table, equations: Equations
+    variables: Element, structure: Element, table: Table, equations: Equations, face: Face
 ) -> None:
     """Add states, derivatives and indicators, and what outputs depend on between events."""
-    references = {row.name: str(row.number) for row in table.rows}
-    states = {rate: references[state] for state, rate in equations.states.items()}
+    key, first = ("index", 1) if face == 2 else ("valueReference", 0)
+    numbers = {row.name: row.number + first for row in table.rows}
     for n, (name, (quantity, description)) in enumerate(equations.local.items(), start=1):
-        references[name] = str(table.time_reference + n)
-        attributes = {"name": name, "valueReference": references[name], "description": description}
+        number = table.time_reference + n
+        numbers[name] = number + first
+        attributes = {"name": name, "valueReference": str(number), "description": description}
         attributes.update(causality="local", variability="continuous", initial="calculated")
-        SubElement(variables, "Float64", {**attributes, **_type_attributes(quantity)})
+        kind = "Real" if face == 2 else "Float64"
+        variables.append(_variable(face, kind, attributes, _type_attributes(quantity)))
+    rates = {rate: str(numbers[state]) for state, rate in equations.states.items()}
     for variable in variables:
-        if variable.get("name") in states:
-            variable.set("derivative", states[variable.attrib["name"]])
-        if variable.get("name") in equations.states:
-            variable.set("reinit", "true")
-    depends = {
-        references[name]: " ".join(sorted((references[on] for on in knowns), key=int))
-        for name, knowns in equations.depends.items()
-    }
-    for output in structure.iterfind("Output"):
-        output.set("dependencies", depends.get(output.attrib["valueReference"], ""))
-    at = len(structure.findall("Output"))
-    for name in equations.states.values():
-        known = {"valueReference": references[name], "dependencies": depends[references[name]]}
-        structure.insert(at, Element("ContinuousStateDerivative", known))
-        at += 1
-        if name in equations.local:
-            start = {"valueReference": references[name]}
-            structure.append(Element("InitialUnknown", start))
-    for name in equations.indicators:
-        known = {"valueReference": references[name], "dependencies": depends[references[name]]}
-        structure.append(Element("EventIndicator", known))
+        name, of_type = variable.attrib["name"], variable[0] if face == 2 else variable
+        if name in rates:
+            of_type.set("derivative", rates[name])
+        if name in equations.states:
+            of_type.set("reinit", "true")
+
+    def unknown(tag: str, name: str) -> Element:
+        knowns = sorted(numbers[on] for on in equations.depends[name])
+        known = {key: str(numbers[name]), "dependencies": " ".join(map(str, knowns))}
+        return Element("Unknown" if face == 2 else tag, known)
+
+    outputs = structure if face == 3 else structure[0]
+    names = {str(number): name for name, number in numbers.items()}
+    for output in outputs:
+        name = names[output.attrib[key]]
+        if name in equations.depends and output.tag in ("Output", "Unknown"):
+            output.set("dependencies", unknown("Output", name).attrib["dependencies"])
+    derivatives = [unknown("ContinuousStateDerivative", name) for name in equations.states.values()]
+    starts = [
+        Element("Unknown" if face == 2 else "InitialUnknown", {key: str(numbers[name])})
+        for name in equations.states.values()
+        if name in equations.local
+    ]
+    if face == 2:
+        structure.insert(1, Element("Derivatives"))
+        structure[1].extend(derivatives)
+        structure[2].extend(starts)
+    else:
+        at = len(structure.findall("Output"))
+        structure[at:at] = derivatives
+        structure.extend(starts)
+        structure.extend(unknown("EventIndicator", name) for name in equations.indicators)

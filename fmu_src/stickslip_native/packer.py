@@ -21,6 +21,8 @@ _OTHER_FACE = {2: "fmi3", 3: "fmi2"}
 _IDENTITY = """\
 /* The identity of the FMU, made from its content: the GUID of FMI 2.0, the token of FMI 3.0. */
 #define STICKSLIP_IDENTITY "{identity}"
+/* Whether an FMU of FMI 2.0 is one for model exchange; one of FMI 3.0 has both interfaces. */
+#define STICKSLIP_MODEL_EXCHANGE {model_exchange}
 """
 
 
@@ -30,6 +32,7 @@ def build(
     face: Face = 2,
     this_machine: bool = False,
     law: str = COULOMB_NAME,
+    model_exchange: bool = False,
 ) -> Path:
     """Build the native FMU and return its file.
 
@@ -47,6 +50,10 @@ def build(
         Whether `cc` compiles for this machine alone, and not Zig for all platforms.
     law
         Name of a built-in friction law, as `named.native_law` takes it.
+    model_exchange
+        Whether the FMU of FMI 2.0 is for model exchange, and StickSlip_native_me. It is one of its
+        own: there outputs depend on inputs at once, and for a master of co-simulation they must
+        not. The FMU of FMI 3.0 is for both.
 
     Raises
     ------
@@ -60,32 +67,37 @@ def build(
     """
     model = native_law(law).spec.name
     compiler = compiler_for(this_machine)
-    sources = sources_of(face, law)
+    sources = sources_of(face, law, model_exchange)
     entries = {
-        "modelDescription.xml": description(face, sources, law),
+        "modelDescription.xml": description(face, sources, law, model_exchange),
         **{f"sources/{name}": content for name, content in sources.items()},
         **_libraries(face, sources, compiler, model),
         **(parts or {}),
     }
     if face == 3:
         entries["sources/buildDescription.xml"] = _build_description(sources, model)
-    return write_fmu(destination, f"{model}_native", face, entries)
+    name = f"{model}_native_me" if model_exchange else f"{model}_native"
+    return write_fmu(destination, name, face, entries)
 
 
-def sources_of(face: Face, law: str = COULOMB_NAME) -> Dict[str, bytes]:
+def sources_of(
+    face: Face, law: str = COULOMB_NAME, model_exchange: bool = False
+) -> Dict[str, bytes]:
     """Return the C sources of the FMU under a friction law by name; they lie in one folder.
 
     Among them are those made from the table, and identity.h with the FMU's identity.
     """
-    spec, own = native_law(law)
+    spec, files = native_law(law)
     sources = {name: text.encode() for name, text in table_files(spec).items()}
     common = [file for folder in _FOLDERS for file in HOME.glob(f"{folder}/*.[ch]")]
-    for file in sorted((*common, *own)):
+    for file in sorted((*common, *files)):
         if not file.name.startswith(_OTHER_FACE[face]):
             if file.name in sources:
                 raise ValueError(f"two C sources have the name {file.name}")
             sources[file.name] = file.read_bytes()
-    sources["identity.h"] = _IDENTITY.format(identity=_identity(face, sources)).encode()
+    own = _identity(face, sources, model_exchange)
+    text = _IDENTITY.format(identity=own, model_exchange=int(model_exchange))
+    sources["identity.h"] = text.encode()
     return sources
 
 
@@ -105,20 +117,25 @@ def _libraries(
     }
 
 
-def description(face: Face, sources: Mapping[str, bytes], law: str = COULOMB_NAME) -> bytes:
+def description(
+    face: Face,
+    sources: Mapping[str, bytes],
+    law: str = COULOMB_NAME,
+    model_exchange: bool = False,
+) -> bytes:
     """Return modelDescription.xml of the FMU with these sources."""
     spec = native_law(law).spec
     compiled = _compiled(sources) if face == 2 else []
-    maker, own = f"stickslip {spec.version}", _identity(face, sources)
+    maker, own = f"stickslip {spec.version}", _identity(face, sources, model_exchange)
     refusals = "A call was refused, and why."
-    equations = EQUATIONS if face == 3 else None
+    equations = EQUATIONS if face == 3 or model_exchange else None
     return _text_of(model_description(spec, face, own, maker, refusals, compiled, equations))
 
 
-def _identity(face: Face, sources: Mapping[str, bytes]) -> str:
-    """Return the GUID or token, which is made from sources, FMI version and compiler options."""
+def _identity(face: Face, sources: Mapping[str, bytes], model_exchange: bool) -> str:
+    """Return the GUID or token, made from sources, FMI version, interface, compiler options."""
     files = {name: sources[name] for name in sources.keys() - {"identity.h"}}
-    return identity(digest_of(f"FMI {face} {' '.join(FLAGS)}", files))
+    return identity(digest_of(f"FMI {face} {'ME ' * model_exchange}{' '.join(FLAGS)}", files))
 
 
 def _compiled(sources: Mapping[str, bytes]) -> List[str]:

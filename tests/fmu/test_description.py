@@ -12,7 +12,7 @@ import fmpy
 import pytest
 
 from stickslip_fmu.spec import TABLE
-from tests.conftest import built, kinds
+from tests.conftest import KINDS, built, kinds
 from tests.fmu.blocks import make_block, outputs
 from tests.fmu.conformity import CHECKERS
 from tests.makers.vocabularies import BASES
@@ -42,7 +42,7 @@ def new() -> Any:
 
 
 @pytest.mark.parametrize("checker", CHECKERS)
-@pytest.mark.parametrize("kind", kinds())
+@pytest.mark.parametrize("kind", kinds(*KINDS, "native-2me"))
 def test_checkers_find_nothing(kind: str, checker: Checker) -> None:
     assert checker(built(kind)) == []
 

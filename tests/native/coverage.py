@@ -83,7 +83,7 @@ def try_events(folder: Path, law: str) -> None:
     fmu = with_library(sound, library, folder / "counting.fmu")
     for seed in range(EVENTFUL):
         differences(str(fmu), seed)
-        of_random_settings(fmu, seed)
+        of_random_settings(fmu, fmu, seed)
     retuned(fmu, 1000.0, 2000.0, 1000.0)
     loaded(fmu).library.write_counters()
 

@@ -9,7 +9,6 @@ from fmi.table import Table
 HEAD = (("magic", "8s"), ("version", "I"), ("length", "I"), ("names", "Q"))
 _SUMS = ("elapsed", "x_start", "W_pull", "W_k", "Q_friction")
 _METER = ("t_stick", "t_slip", "T", "delta_x", "spring_drop", "x_dot_peak", "t_event")
-_INPUTS = ("v", "load", "F_ext")
 _METER_SUMS = ("phase", "cycle", "displacement", "relief")
 
 
@@ -18,22 +17,15 @@ def fields(table: Table) -> Iterator[tuple[str, str]]:
     yield from HEAD
     yield from ((f"{group}.{name}", "d") for group in ("wanted", "settings") for name in settings)
     yield from (("mode", "i"), ("known", "?"))
-    yield from (
-        (name, "d") for name in ("z", "x_dot", "force", "age", *(f"own.{n}" for n in "0123"))
-    )
+    yield from ((name, "d") for name in ("z", "x_dot", "force", "age"))
     yield from _sums(_SUMS)
     yield from ((name, "d") for name in _METER)
     yield from (("n_slips", "i"), ("seen_break_away", "?"), ("peak", "d"))
     yield from _sums(_METER_SUMS)
     yield from (("started", "?"), ("changed", "?"))
-    yield from ((f"values.{name}", "d") for name in settings)
     yield from (("time", "d"), ("fmi_phase", "i"), ("settled", "?"), ("holds", "?"))
-    outputs = [row for row in table.rows if row.causality == "output"]
-    yield from ((f"held.{row.name}", "d") for row in outputs if row.variability == "discrete")
-    yield "solved", "?"
-    solver = ("time", *(f"state.{n}" for n in range(5)), "entered", "due", "peak", *_INPUTS)
-    yield from ((f"solver.{name}", "d") for name in solver)
-    yield "moved", "?"
+    yield from (("solved", "?"), ("moved", "?"))
+    yield from ((f"beside.{n}", "d") for n in range(12))
 
 
 def _sums(names: tuple[str, ...]) -> Iterator[tuple[str, str]]:

@@ -26,6 +26,7 @@ HEADERS = Path(fmpy.__file__).parent / "c-code"
 
 # By their names in the headers of the standard.
 _MODEL_EXCHANGE_2 = r"EnterEvent|Discrete|Continuous|CompletedIntegrator|SetTime|GetDerivat|Indicat"
+_CO_SIMULATION_2 = r"DoStep|CancelStep|Status$|put\w*Derivatives$"
 _NOT_OFFERED = r"(Directional|Adjoint|put)Derivatives?$|Dependenc|Configuration|CancelStep"
 _OF_OTHER_MODES = (
     r"ContinuousTimeMode|EvaluateDiscrete|[GS]etClock|Interval|Shift|[GS]etContinuous"
@@ -34,11 +35,15 @@ _OF_OTHER_MODES = (
 _TYPES = r"[GS]et(Real|Integer|Boolean|String|Float\d+|U?Int\d+|Binary)$"
 
 
-def standard(version: int) -> set[str]:
-    """Return the functions of the standard that a library for co-simulation has, bare of fmi2."""
+def standard(version: int, solved: bool = False) -> set[str]:
+    """Return the functions of the standard that a library has, bare of fmi2.
+
+    One of FMI 2.0 has those of co-simulation, or of model exchange.
+    """
     text = (HEADERS / f"fmi{version}Functions.h").read_text(encoding="utf-8")
     names = set(re.findall(rf"FMI{version}_Export fmi{version}\w+TYPE\s+fmi{version}(\w+);", text))
-    return {each for each in names if version == 3 or not re.search(_MODEL_EXCHANGE_2, each)}
+    absent = _CO_SIMULATION_2 if solved else _MODEL_EXCHANGE_2
+    return {each for each in names if version == 3 or not re.search(absent, each)}
 
 
 def called(version: int, pattern: str) -> list[str]:
@@ -179,7 +184,7 @@ def test_an_instance_of_another_fmu_or_kind_is_refused_with_a_message(kind: str)
     assert len(refused(fmu, token=b"x" * 100_000)) < 500
     if fmu.version == 2:
         for other in (0, 7):
-            assert "model exchange is not offered" in refused(fmu, kind=other)
+            assert "model exchange is in an FMU of its own" in refused(fmu, kind=other)
 
 
 @pytest.mark.parametrize("name", [None, b"\xff\xfe"])

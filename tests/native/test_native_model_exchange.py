@@ -1,4 +1,4 @@
-"""The native FMU of FMI 3.0 under a solver of the importer's."""
+"""The native FMUs under a solver of the importer's."""
 
 import ctypes as c
 import random
@@ -28,18 +28,25 @@ def opened(fmu: Path) -> tuple[str, Any]:
     return folder, fmpy.read_model_description(folder)
 
 
-def both(fmu: Path, tolerance: float, **given: Any) -> tuple[Any, Any]:
-    folder, description = opened(fmu)
+faces = pytest.mark.parametrize("kind", ["native-3", "native-2me"])
+
+
+def both(one: Path, other: Path, tolerance: float, **given: Any) -> tuple[Any, Any]:
+    folder, description = opened(one)
     names = [each.name for each in description.modelVariables if each.causality == "output"]
     given |= {"output": names, "model_description": description}
     stepped = fmpy.simulate_fmu(folder, fmi_type="CoSimulation", **given)
     more = {"fmi_type": "ModelExchange", "relative_tolerance": tolerance, "record_events": False}
+    folder, given["model_description"] = opened(other)
     return stepped, fmpy.simulate_fmu(folder, **given, **more)
 
 
+@faces
 @pytest.mark.parametrize("tolerance", [1e-4, 1e-6, 1e-8, 1e-10])
-def test_no_slip_of_the_cycle_is_lost(tolerance: float) -> None:
-    stepped, solved = both(built("native-3"), tolerance, stop_time=10.0, output_interval=0.01)
+def test_no_slip_of_the_cycle_is_lost(tolerance: float, kind: str) -> None:
+    stepped, solved = both(
+        built("native-3"), built(kind), tolerance, stop_time=10.0, output_interval=0.01
+    )
     assert solved["n_slips"][-1] == stepped["n_slips"][-1] == 31
     assert np.abs(solved["x"] - stepped["x"]).max() < 100.0 * tolerance * stepped["x"].max()
     assert solved["T"][-1] == pytest.approx(stepped["T"][-1], rel=100.0 * tolerance)
@@ -50,7 +57,7 @@ def test_no_cycle_is_lost_near_the_critical_velocity(below: float) -> None:
     (cycle,) = critical_velocity(Parameters(c=4.0)).cycle
     start = {"c": 4.0, "v": cycle.high * (1.0 - below)}
     given = {"stop_time": 5.0, "output_interval": 0.1, "start_values": start}
-    stepped, solved = both(built("native-3"), 1e-6, **given)
+    stepped, solved = both(built("native-3"), built("native-3"), 1e-6, **given)
     assert solved["n_slips"].tolist() == stepped["n_slips"].tolist()
     assert (stepped["n_slips"][-1] > 20) == (below > 0.0)
 
@@ -58,18 +65,18 @@ def test_no_cycle_is_lost_near_the_critical_velocity(below: float) -> None:
 def test_a_mass_that_needs_no_force_to_break_away_rests_while_that_grows() -> None:
     start = {"tau_s": 0.2, "mu_k": 0.0, "mu_s": 0.3, "k": 100.0, "m": 5.0, "c": 2.0}
     given = {"stop_time": 10.0, "output_interval": 0.1, "start_values": start}
-    stepped, solved = both(built("native-3"), 1e-8, **given)
+    stepped, solved = both(built("native-3"), built("native-3"), 1e-8, **given)
     assert solved["n_slips"][-1] == stepped["n_slips"][-1] == 3
     assert np.abs(solved["x"] - stepped["x"]).max() < 1e-6
 
 
-def of_random_settings(fmu: Path, seed: int) -> tuple[Any, Any]:
+def of_random_settings(one: Path, other: Path, seed: int) -> tuple[Any, Any]:
     chance = random.Random(seed)
     start = {"k": chance.choice([200.0, 1e3, 5e3]), "c": chance.choice([0.0, 0.0, 2.0, 8.0])}
     start |= {"mu_s": chance.uniform(0.3, 0.6), "mu_k": chance.uniform(0.05, 0.3)}
     start["z_start"] = chance.choice([0.0, 0.0, 0.01, -0.01, 0.03])
     start["x_dot_start"] = chance.choice([0.0, 0.0, 0.0, 0.05, -0.05])
-    if any(each.name == "shape" for each in opened(fmu)[1].modelVariables):
+    if any(each.name == "shape" for each in opened(one)[1].modelVariables):
         start["shape"] = chance.choice([1, 2, 3])
         if start["shape"] == 3:
             start |= {"mu_1": 0.9 * start["mu_s"], "u_2": 0.05, "mu_2": 0.1}
@@ -81,13 +88,14 @@ def of_random_settings(fmu: Path, seed: int) -> tuple[Any, Any]:
     points = [(t, *held[n + i]) for n, t in enumerate(times) for i in (0, 1)]
     signals = np.array([(0.0, *held[0]), *points, (9.0, *held[-1])], INPUTS)
     given = {"stop_time": 4.0, "output_interval": 0.01, "start_values": start}
-    return both(fmu, 1e-8, input=signals, **given)
+    return both(one, other, 1e-8, input=signals, **given)
 
 
 @pytest.mark.parametrize("law", LAWS)
 def test_a_solver_finds_the_motion_of_random_settings(law: str, sized: Sized) -> None:
     for seed in range(sized(100)):
-        stepped, solved = of_random_settings(built("native-3", law), seed)
+        kind = "native-3" if seed % 3 else "native-2me"
+        stepped, solved = of_random_settings(built("native-3", law), built(kind, law), seed)
         assert solved["n_slips"].tolist() == stepped["n_slips"].tolist(), seed
         scale = np.abs(stepped["x"]).max() + np.abs(stepped["z"]).max()
         assert np.abs(solved["x"] - stepped["x"]).max() <= 2e-6 * scale, seed

@@ -61,10 +61,10 @@ def test_a_state_is_magic_version_length_fields_little_endian_and_a_checksum(law
     instance, table = running(law, m=2.0, k=1234.5), table_of(law)
     data = instance.pack()
     found = decoded(data, table)
-    assert (found["magic"], found["version"], found["length"]) == (b"slipstat", 2, len(data))
+    assert (found["magic"], found["version"], found["length"]) == (b"slipstat", 3, len(data))
     assert encoded(found, table) == data
     settings = [row.name for row in table.rows if row.settable]
-    for group in ("wanted", "settings", "values"):
+    for group in ("wanted", "settings"):
         assert [found[f"{group}.{name}"] for name in settings] == instance.get(*settings)
     assert found["n_slips"] == instance.get("n_slips")[0] > 2
 
@@ -113,7 +113,7 @@ def test_no_field_is_taken_with_a_value_that_no_block_reaches(law: str) -> None:
         bad = list(IMPOSSIBLE.get(name, []))
         group, _, last = name.partition(".")
         if form == "d":
-            bounded = group in ("wanted", "settings", "values") and last in table.by_name
+            bounded = group in ("wanted", "settings") and last in table.by_name
             low = table.by_name[last].minimum if bounded else None
             bad += [math.nan, math.inf]
             bad += [-1.0] if low is not None or name in BELOW_ZERO else []
@@ -130,11 +130,11 @@ def test_no_field_is_taken_with_a_value_that_no_block_reaches(law: str) -> None:
     ("changes", "words"),
     [
         ({"magic": b"SLIPSTAT"}, "the bytes hold no state"),
-        ({"version": 1}, "in another format than version 2"),
+        ({"version": 1}, "in another format than version 3"),
         ({"names": 0}, "of another friction law"),
         ({"wanted.m": math.nan}, "has not the structure of a state"),
         ({"wanted.m": -1.0}, "m = -1.0 kg is out of range"),
-        ({"settings.load": -1e6}, "or the mass lifts off"),
+        ({"settings.load": -1e6, "changed": True}, "or the mass lifts off"),
         ({"wanted.m": 5.0}, "no block reaches"),
         ({"mode": 1, "known": False}, "no block reaches"),
         ({"z": 1.7e308, "x_start.high": 1.7e308, "x_start.low": 0.0}, "leave the range of"),
@@ -189,7 +189,7 @@ def test_bytes_with_a_fitting_checksum_are_refused_or_a_state_that_runs(
             pass
         instance.reset()
     # Most fields may have other values, so the test meets what is taken as well.
-    assert 0.2 < taken / sized(DAMAGED) < 0.8
+    assert 0.1 < taken / sized(DAMAGED) < 0.8
 
 
 def _damaged(data: bytes, chance: random.Random) -> bytes:

@@ -311,6 +311,7 @@ def build(
     fmi: Literal[2, 3] = 2,
     law: str = COULOMB_NAME,
     this_machine: bool = False,
+    interface: Literal["cs", "me"] = "cs",
 ) -> Path:
     """Build the FMU with its documentation, and return its path.
 
@@ -325,6 +326,8 @@ def build(
         Version of the standard; 3 is native.
     law
         Name of the friction law.
+    interface
+        ``"cs"`` for co-simulation, ``"me"`` for model exchange, in C. FMI 3.0 has both in one FMU.
 
     Raises
     ------
@@ -337,9 +340,12 @@ def build(
 
     if fmi not in (2, 3):
         raise ParameterError("fmi", f" {fmi}: the standard is 2 or 3")
+    if interface not in ("cs", "me"):
+        raise ParameterError("interface", f" {interface}: it is cs or me")
+    solved = interface == "me"
     place = Path(target)
     folder = place.parent if place.suffix == ".fmu" else place
-    if not native and fmi == 2:
+    if not native and fmi == 2 and not solved:
         from stickslip_fmu.packer import build as packed
 
         make_folder(folder, "target")
@@ -349,4 +355,4 @@ def build(
 
     files = parts(fmi, compiler_for(this_machine).runtime(), law)
     make_folder(folder, "target")
-    return compiled(place, files, fmi, this_machine, law)
+    return compiled(place, files, fmi, this_machine, law, solved and fmi == 2)

@@ -41,7 +41,6 @@ static enum refusal pass_end(const struct friction *law, struct arc *arc, struct
 
 static enum refusal first_slip(const struct settings *settings, struct first_slip *found)
 {
-    static const double NO_OWN[MOST_OWN] = {0.0};
     const double x_dot = settings->x_dot_start;
     struct friction law;
     struct meter meter;
@@ -51,7 +50,7 @@ static enum refusal first_slip(const struct settings *settings, struct first_sli
     if (refused != ACCEPTED) return refused;
     meter_start(&meter, 0.0);
     refused = LAW.begin(&law, x_dot == 0.0 ? 0 : x_dot > 0.0 ? 1 : -1, settings->z_start, x_dot, 0.0,
-                        NO_OWN, &arc);
+                        &arc);
     if (refused != ACCEPTED) return refused;
     *found = (struct first_slip){HUGE_VAL, NAN, NAN, NAN, NAN};
     if (arc.mode == 0) {

@@ -78,7 +78,6 @@ size_t block_size(void)
 
 enum refusal block_start(struct block *block, const struct settings *settings, double start_time)
 {
-    static const double NO_OWN[MOST_OWN] = {0.0};
     *block = (struct block){.wanted = *settings, .horizon = NO_HORIZON};
     block->x_start.high = settings->x_start;
     meter_start(&block->meter, start_time);
@@ -87,7 +86,7 @@ enum refusal block_start(struct block *block, const struct settings *settings, d
     const double x_dot = settings->x_dot_start;
     const int mode = x_dot == 0.0 ? 0 : x_dot > 0.0 ? 1 : -1;
     refused = LAW.begin(&block->friction, mode, settings->z_start, x_dot,
-                        block->friction.age_start, NO_OWN, &block->arc);
+                        block->friction.age_start, &block->arc);
     if (refused != ACCEPTED) return refused;
     stand_at_start(block);
     return block_refresh(block);
@@ -149,9 +148,7 @@ static enum refusal change_settings(struct block *block, double time)
     const double z = block->z;
     const double dk = block->friction.settings.k - before.settings.k;
     block->W_k = sum_with(block->W_k, 0.5 * (dk * z) * z);
-    double own[MOST_OWN];
-    functions_of(&arc)->own(&arc, tau, own);
-    refused = LAW.begin(&block->friction, at_rest ? 0 : arc.mode, z, x_dot, age, own, &block->arc);
+    refused = LAW.begin(&block->friction, at_rest ? 0 : arc.mode, z, x_dot, age, &block->arc);
     if (refused != ACCEPTED) return refused;
     stand_at_start(block);
     if (block->started && arc.mode == 0 && block->mode != 0)
@@ -279,6 +276,10 @@ enum refusal block_advance(struct block *block, double time, double step)
 {
     const double elapsed = block->elapsed.high;
     const double total = elapsed + step;
+    if (!block->started && !block->changed && block->mode == 0) {
+        block->started = true;
+        block->horizon = block->arc.duration;
+    }
     if (total < block->horizon && step > 0.0 && isfinite(time)) {
         /* sum_with, written out: nearly every step ends here. */
         const double shadow = total - elapsed;
@@ -350,7 +351,6 @@ enum refusal block_read(struct block *block, enum reference reference, double *v
     }
     const struct meter *meter = &block->meter;
     const struct arc *arc = &block->arc;
-    const double tau = tau_of(block);
     switch (reference) {
     case VR_x: *value = block->x; break;
     case VR_x_dot: *value = block->x_dot; break;
@@ -370,13 +370,14 @@ enum refusal block_read(struct block *block, enum reference reference, double *v
     case VR_x_dot_peak: *value = meter->x_dot_peak; break;
     case VR_n_slips: *value = meter->n_slips; break;
     case VR_t_event: *value = meter->t_event; break;
-    case VR_W_pull: return energy(block->W_pull, functions_of(arc)->pull_work(arc, tau), value);
+    case VR_W_pull:
+        return energy(block->W_pull, functions_of(arc)->pull_work(arc, tau_of(block)), value);
     case VR_W_k:
         *value = block->W_k.high;
         return isfinite(*value) ? ACCEPTED : NOT_FINITE;
     case VR_Q_friction:
-        return energy(block->Q_friction, functions_of(arc)->heat(arc, tau, block->displacement),
-                      value);
+        return energy(block->Q_friction,
+                      functions_of(arc)->heat(arc, tau_of(block), block->displacement), value);
     default: *value = LAW.output(&block->friction, reference); break;
     }
     return ACCEPTED;

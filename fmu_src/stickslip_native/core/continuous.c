@@ -14,8 +14,6 @@ static const double FOUND = 1e-10, TOLD = 1e-3;
 /* How close to a time that was told an importer comes, relative to it. */
 static const double ROUNDING = 1e-9;
 
-static const double NO_OWN[MOST_OWN] = {0.0};
-
 static double extension(const struct continuous *it)
 {
     return it->states[STATE_Z];
@@ -143,7 +141,7 @@ static int breaks_away(const struct continuous *it, const struct block *block, b
     /* Without a force to break away at, the mass rests while that grows faster than the pull. */
     struct arc stick;
     const enum refusal refused =
-        LAW.begin(&block->friction, 0, extension(it), 0.0, 0.0, NO_OWN, &stick);
+        LAW.begin(&block->friction, 0, extension(it), 0.0, 0.0, &stick);
     return refused == ACCEPTED && stick.duration > 0.0 ? 0 : sign;
 }
 
@@ -152,7 +150,7 @@ static enum refusal begin_arc(const struct continuous *it, struct block *block, 
                               double age)
 {
     const enum refusal refused = LAW.begin(&block->friction, mode, extension(it),
-                                           it->states[STATE_X_DOT], age, NO_OWN, &block->arc);
+                                           it->states[STATE_X_DOT], age, &block->arc);
     block->mode = block->arc.mode;
     return refused;
 }

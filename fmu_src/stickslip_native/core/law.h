@@ -23,9 +23,6 @@
 
 #include <stdbool.h>
 
-/* How many numbers the own state of a friction law may have. */
-enum { MOST_OWN = 4 };
-
 /* The motion at a time along an arc. */
 struct motion {
     double growth;       /* of the spring since the start of the arc [m] */
@@ -43,7 +40,6 @@ struct start {
     double x_dot;  /* velocity of the mass [m/s] */
     double force;  /* what the law knows better than as a difference of large forces [N] */
     double age;    /* time at rest before [s], 0 in a slip */
-    double own[MOST_OWN]; /* state of the law itself, 0 beyond the law's count */
 };
 
 /* A load-up to the break-away force: sticking.c. */
@@ -75,7 +71,6 @@ struct arc_functions {
     double (*pull_work)(const struct arc *arc, double tau); /* [J] */
     double (*heat)(const struct arc *arc, double tau, double displacement); /* [J] */
     double (*extreme_velocity)(const struct arc *arc, double tau); /* of slips [m/s] */
-    void (*own)(const struct arc *arc, double tau, double own[MOST_OWN]);
 };
 
 extern const struct arc_functions *const ARCS[ARC_TAGS];
@@ -88,13 +83,11 @@ struct friction {
     double gap;         /* F_s - kinetic, known better than as a difference [N] */
     struct dwell dwell; /* growth of the break-away force in stick; asked by sticking.c */
     double age_start;   /* age of a mass that is at rest when the run starts [s] */
-    bool varies;        /* whether break-away force or own state change along an arc */
+    bool varies;        /* whether the break-away force changes along an arc */
     union friction_data of;
 };
 
 struct law {
-    int own_count; /* numbers of the law's own state */
-
     /* Put settings in force; `before` is what held until now, or NULL. */
     enum refusal (*under)(struct friction *made, const struct settings *settings,
                           const struct friction *before);
@@ -104,7 +97,7 @@ struct law {
     double (*force)(const struct friction *it, double speed);
     /* The arc that begins where the mass stands; mode 0 for a mass at rest. */
     enum refusal (*begin)(const struct friction *it, int mode, double z, double x_dot, double age,
-                          const double own[MOST_OWN], struct arc *begun);
+                          struct arc *begun);
     /* The arc that follows the end of `ended`, at spring extension z [m]. */
     enum refusal (*after)(const struct friction *it, const struct arc *ended, double z,
                           struct arc *following);

@@ -94,12 +94,6 @@ static double stick_extreme_velocity(const struct arc *arc, double tau)
     return 0.0;
 }
 
-static void stick_own(const struct arc *arc, double tau, double own[MOST_OWN])
-{
-    (void)arc, (void)tau;
-    for (int n = 0; n < MOST_OWN; n++) own[n] = 0.0;
-}
-
 const struct arc_functions STICK_FUNCTIONS = {
     .start = stick_start,
     .state = stick_state,
@@ -107,7 +101,6 @@ const struct arc_functions STICK_FUNCTIONS = {
     .pull_work = stick_pull_work,
     .heat = stick_heat,
     .extreme_velocity = stick_extreme_velocity,
-    .own = stick_own,
 };
 
 /* The slip from any state. */
@@ -124,9 +117,8 @@ double sticking_hold(const struct friction *it, double age)
 }
 
 enum refusal sticking_begin(const struct friction *it, int mode, double z, double x_dot, double age,
-                            const double own[MOST_OWN], struct arc *begun)
+                            struct arc *begun)
 {
-    (void)own;
     if (mode != 0) return slip_from(it, mode, z, x_dot, begun);
     mode = direction_from_rest(it->settings.k * z, it->settings.F_ext, LAW.hold(it, age));
     if (mode != 0) return slip_from(it, mode, z, 0.0, begun);

@@ -13,7 +13,7 @@ int direction_from_rest(double spring, double external, double break_away);
 
 /* Answers for `struct law`. */
 enum refusal sticking_begin(const struct friction *it, int mode, double z, double x_dot, double age,
-                            const double own[MOST_OWN], struct arc *begun);
+                            struct arc *begun);
 enum refusal sticking_after(const struct friction *it, const struct arc *ended, double z,
                             struct arc *following);
 enum refusal sticking_arc(const struct friction *it, const struct start *start, struct arc *made);

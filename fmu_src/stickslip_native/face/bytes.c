@@ -8,18 +8,20 @@
 
 static const unsigned char MAGIC[8] = {'s', 'l', 'i', 'p', 's', 't', 'a', 't'};
 
-enum { VERSION = 2, HASH_SIZE = 8, HEAD_SIZE = sizeof MAGIC + 4 + 4 + HASH_SIZE };
+enum { VERSION = 3, HASH_SIZE = 8, HEAD_SIZE = sizeof MAGIC + 4 + 4 + HASH_SIZE };
 
 /* What is written of a situation. */
 struct saved {
     struct block_state block;
-    struct settings values;
     double time;
     int32_t phase;
     bool settled, holds, solved;
     double held[DISCRETE];
     struct continuous solver;
 };
+
+/* How many numbers a solver has, and what is written of it or of outputs that are held. */
+enum { SOLVER = STATES + 7, MOST_BESIDE = SOLVER > DISCRETE ? SOLVER : DISCRETE };
 
 /* Bytes that are counted, written, read or compared, one field after the other. */
 struct stream {
@@ -120,7 +122,6 @@ static void visit(struct stream *stream, struct saved *it)
     real(stream, &start->x_dot);
     real(stream, &start->force);
     real(stream, &start->age);
-    for (int n = 0; n < MOST_OWN; n++) real(stream, &start->own[n]);
     sum(stream, &it->block.elapsed);
     sum(stream, &it->block.x_start);
     sum(stream, &it->block.W_pull);
@@ -142,22 +143,21 @@ static void visit(struct stream *stream, struct saved *it)
     sum(stream, &meter->relief);
     truth(stream, &it->block.started);
     truth(stream, &it->block.changed);
-    settings(stream, &it->values);
     real(stream, &it->time);
     integer(stream, &it->phase);
     truth(stream, &it->settled);
     truth(stream, &it->holds);
-    for (int n = 0; n < DISCRETE; n++) real(stream, &it->held[n]);
     truth(stream, &it->solved);
-    real(stream, &it->solver.time);
-    for (int n = 0; n < STATES; n++) real(stream, &it->solver.states[n]);
-    real(stream, &it->solver.entered);
-    real(stream, &it->solver.due);
-    real(stream, &it->solver.peak);
-    real(stream, &it->solver.v);
-    real(stream, &it->solver.load);
-    real(stream, &it->solver.F_ext);
     truth(stream, &it->solver.moved);
+    double *of_solver[SOLVER] = {&it->solver.time, &it->solver.entered, &it->solver.due,
+                                 &it->solver.peak, &it->solver.v,       &it->solver.load,
+                                 &it->solver.F_ext};
+    for (int n = 0; n < STATES; n++) of_solver[SOLVER - STATES + n] = &it->solver.states[n];
+    const int count = it->solved ? SOLVER : it->holds ? DISCRETE : 0;
+    for (int n = 0; n < MOST_BESIDE; n++) {
+        double none = 0.0;
+        real(stream, n >= count ? &none : it->solved ? of_solver[n] : &it->held[n]);
+    }
 }
 
 /* All that comes before the fields. */
@@ -179,15 +179,14 @@ size_t bytes_count(void)
 void bytes_write(const struct situation *situation, unsigned char *bytes)
 {
     struct saved saved = {
-        .values = situation->values,
         .time = situation->time,
         .phase = (int32_t)situation->phase,
         .settled = situation->settled,
         .holds = situation->holds,
         .solved = situation->solved,
-        .solver = situation->solver,
     };
-    memcpy(saved.held, situation->held, sizeof saved.held);
+    if (saved.solved) saved.solver = situation->of.solver;
+    if (saved.holds) memcpy(saved.held, situation->of.held, sizeof saved.held);
     struct stream stream = {.way = WRITE, .to = bytes, .at = sizeof MAGIC, .sound = true};
     uint64_t version = VERSION, length = bytes_count(), names = hash_of_names();
     block_save(&situation->block, &saved.block);
@@ -210,15 +209,29 @@ static bool within_bounds(const struct settings *values, char reason[MESSAGE_SIZ
     return true;
 }
 
-/* Whether outputs that are held have values that they can have, and others have none. */
+/* Whether outputs that are held have values that they can have. */
 static bool can_hold(const struct saved *it)
 {
+    if (!it->holds) return true;
     for (int n = 0; n < VARIABLES; n++) {
         if (ROWS[n].discrete < 0) continue;
         const double value = it->held[ROWS[n].discrete];
-        if (it->holds ? !in_range(&ROWS[n], value) : value != 0.0) return false;
+        if (!in_range(&ROWS[n], value)) return false;
         if (ROWS[n].kind == BOOLEAN && value != 0.0 && value != 1.0) return false;
         if (ROWS[n].kind == INTEGER && !(fabs(value) <= INT32_MAX && value == trunc(value)))
+            return false;
+    }
+    return true;
+}
+
+/* Whether settings that are not as last set may be so: fixed ones never, others till they act. */
+static bool can_wait(const struct block_state *it)
+{
+    for (int n = 0; n < VARIABLES; n++) {
+        const size_t offset = ROWS[n].offset;
+        if (ROWS[n].settable && (ROWS[n].fixed || !it->changed) &&
+            *(const double *)((const char *)&it->wanted + offset) !=
+                *(const double *)((const char *)&it->settings + offset))
             return false;
     }
     return true;
@@ -230,7 +243,9 @@ static bool consistent(const struct saved *it)
     if (!isfinite(meter_frequency(&it->block.meter)) || !can_hold(it)) return false;
     switch (it->phase) {
     case INSTANTIATED:
-    case INITIALIZATION: return !it->block.started && !it->holds && !it->solved;
+    case INITIALIZATION:
+        return !it->block.started && !it->block.changed && !it->holds && !it->solved &&
+               (!it->settled || can_wait(&it->block));
     case STEPPING:
     case EVENT_DUE:
     case EVENT_MODE:
@@ -238,7 +253,7 @@ static bool consistent(const struct saved *it)
         if (it->solved ? it->holds || it->phase < EVENT_MODE
                        : it->phase == CONTINUOUS || (it->phase != STEPPING && !it->holds))
             return false;
-        return it->settled && memcmp(&it->values, &it->block.wanted, sizeof it->values) == 0;
+        return it->settled && can_wait(&it->block);
     case TERMINATED: return true;
     default: return false;
     }
@@ -283,7 +298,7 @@ bool bytes_read(const unsigned char *bytes, size_t size, struct situation *made,
         return false;
     }
     if (!within_bounds(&saved.block.wanted, reason) ||
-        !within_bounds(&saved.block.settings, reason) || !within_bounds(&saved.values, reason))
+        !within_bounds(&saved.block.settings, reason))
         return false;
     enum refusal refused =
         consistent(&saved) ? block_restore(&made->block, &saved.block) : NO_SUCH_STATE;
@@ -291,6 +306,7 @@ bool bytes_read(const unsigned char *bytes, size_t size, struct situation *made,
         /* A block has no more than one way to be written: what it does not take up is 0. */
         stream = (struct stream){.way = COMPARE, .from = bytes, .at = HEAD_SIZE, .sound = true};
         block_save(&made->block, &saved.block);
+        if (!saved.solved) saved.solver.moved = false;
         visit(&stream, &saved);
         if (!stream.sound) refused = NO_SUCH_STATE;
     }
@@ -298,13 +314,12 @@ bool bytes_read(const unsigned char *bytes, size_t size, struct situation *made,
         refusal_text(refused, &saved.block.settings, 0.0, 0.0, reason);
         return false;
     }
-    made->values = saved.values;
     made->time = saved.time;
     made->phase = (enum phase)saved.phase;
     made->settled = saved.settled;
     made->holds = saved.holds;
     made->solved = saved.solved;
-    made->solver = saved.solver;
-    memcpy(made->held, saved.held, sizeof made->held);
+    if (saved.solved) made->of.solver = saved.solver;
+    if (saved.holds) memcpy(made->of.held, saved.held, sizeof saved.held);
     return true;
 }

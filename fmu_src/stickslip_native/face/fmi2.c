@@ -1,4 +1,4 @@
-/* The functions of FMI 2.0 for co-simulation.
+/* The functions of FMI 2.0, for co-simulation or for model exchange as identity.h has it.
  *
  * A call that is refused returns fmi2Error, and the instance refuses all that depends on its motion
  * until fmi2Reset or fmi2SetFMUstate: instance.h. The memory functions of the simulator are not
@@ -9,9 +9,10 @@
 #include "identity.h"
 #include "instance.h"
 
+#include <float.h>
 #include <stddef.h>
 
-static const struct type REALS = {"Real", 1u << SORT_REAL, false};
+static const struct type REALS = {"Real", 1u << SORT_REAL, STICKSLIP_MODEL_EXCHANGE};
 static const struct type INTEGERS = {"Integer", 1u << SORT_INTEGER | 1u << SORT_ENUMERATION, false};
 static const struct type BOOLEANS = {"Boolean", 1u << SORT_BOOLEAN, false};
 static const struct type STRINGS = {"String", 0, false};
@@ -71,12 +72,16 @@ STICKSLIP_EXPORT fmi2Component FMI2(fmi2Instantiate)(fmi2String name, fmi2Type t
     struct instance *made =
         instance_make(&FMI2_VERSION, "fmi2Instantiate", name, STICKSLIP_IDENTITY, guid,
                       (void (*)(void))callbacks->logger, callbacks->componentEnvironment);
-    if (made != NULL && type != fmi2CoSimulation) {
-        instance_fail(made, "fmi2Instantiate: model exchange is not offered");
-        instance_free(made);
-        return NULL;
+    if (made == NULL) return NULL;
+    if (type == (STICKSLIP_MODEL_EXCHANGE ? fmi2ModelExchange : fmi2CoSimulation)) {
+        made->solves = STICKSLIP_MODEL_EXCHANGE;
+        return made;
     }
-    return made;
+    instance_fail(made, STICKSLIP_MODEL_EXCHANGE
+                            ? "fmi2Instantiate: co-simulation is in an FMU of its own"
+                            : "fmi2Instantiate: model exchange is in an FMU of its own");
+    instance_free(made);
+    return NULL;
 }
 
 STICKSLIP_EXPORT void FMI2(fmi2FreeInstance)(fmi2Component c)
@@ -114,12 +119,6 @@ STICKSLIP_EXPORT fmi2Status FMI2(fmi2Terminate)(fmi2Component c)
 STICKSLIP_EXPORT fmi2Status FMI2(fmi2Reset)(fmi2Component c)
 {
     return status_of(instance_reset(c));
-}
-
-STICKSLIP_EXPORT fmi2Status FMI2(fmi2DoStep)(fmi2Component c, fmi2Real time, fmi2Real step,
-                                             fmi2Boolean no_earlier_state IGNORED)
-{
-    return (fmi2Status)instance_step(c, time, step);
 }
 
 /* Values. */
@@ -263,6 +262,77 @@ STICKSLIP_EXPORT fmi2Status FMI2(fmi2GetDirectionalDerivative)(
     return status_of(instance_unsupported(c, "fmi2GetDirectionalDerivative"));
 }
 
+#if STICKSLIP_MODEL_EXCHANGE
+
+/* Model exchange. */
+
+STICKSLIP_EXPORT fmi2Status FMI2(fmi2EnterEventMode)(fmi2Component c)
+{
+    return status_of(instance_enter_event_mode(c, "fmi2EnterEventMode"));
+}
+
+STICKSLIP_EXPORT fmi2Status FMI2(fmi2NewDiscreteStates)(fmi2Component c, fmi2EventInfo *info)
+{
+    static const char *const CALL = "fmi2NewDiscreteStates";
+    double next;
+    if (c == NULL || !instance_given(c, CALL, "eventInfo", info) ||
+        !instance_update(c, CALL, &next))
+        return fmi2Error;
+    /* A solver that is not told so goes on with what it knew of the arc before. */
+    *info = (fmi2EventInfo){.nominalsOfContinuousStatesChanged = 1,
+                            .valuesOfContinuousStatesChanged = 1,
+                            .nextEventTimeDefined = next < DBL_MAX,
+                            .nextEventTime = next};
+    return fmi2OK;
+}
+
+STICKSLIP_EXPORT fmi2Status FMI2(fmi2EnterContinuousTimeMode)(fmi2Component c)
+{
+    return status_of(instance_enter_continuous(c, "fmi2EnterContinuousTimeMode"));
+}
+
+STICKSLIP_EXPORT fmi2Status FMI2(fmi2SetTime)(fmi2Component c, fmi2Real time)
+{
+    return status_of(instance_set_time(c, "fmi2SetTime", time));
+}
+
+STICKSLIP_EXPORT fmi2Status FMI2(fmi2CompletedIntegratorStep)(
+    fmi2Component c, fmi2Boolean no_earlier_state IGNORED, fmi2Boolean *enter_event_mode,
+    fmi2Boolean *terminate)
+{
+    static const char *const CALL = "fmi2CompletedIntegratorStep";
+    if (!instance_complete_step(c, CALL) ||
+        !instance_given(c, CALL, "enterEventMode", enter_event_mode) ||
+        !instance_given(c, CALL, "terminateSimulation", terminate))
+        return fmi2Error;
+    *enter_event_mode = *terminate = 0;
+    return fmi2OK;
+}
+
+#define ARRAY(NAME, FUNCTION, CONST)                                                               \
+    STICKSLIP_EXPORT fmi2Status FMI2(NAME)(fmi2Component c, CONST fmi2Real values[], size_t count) \
+    {                                                                                              \
+        const struct instance *it = c;                                                             \
+        if (FUNCTION(c, #NAME, values, count)) return fmi2OK;                                      \
+        return it != NULL && it->discards ? fmi2Discard : fmi2Error;                               \
+    }
+
+ARRAY(fmi2SetContinuousStates, instance_set_states, const)
+ARRAY(fmi2GetContinuousStates, instance_get_states, )
+ARRAY(fmi2GetDerivatives, instance_get_rates, )
+ARRAY(fmi2GetNominalsOfContinuousStates, instance_get_nominals, )
+ARRAY(fmi2GetEventIndicators, instance_get_indicators, )
+
+#else
+
+/* Co-simulation. */
+
+STICKSLIP_EXPORT fmi2Status FMI2(fmi2DoStep)(fmi2Component c, fmi2Real time, fmi2Real step,
+                                             fmi2Boolean no_earlier_state IGNORED)
+{
+    return (fmi2Status)instance_step(c, time, step);
+}
+
 STICKSLIP_EXPORT fmi2Status FMI2(fmi2SetRealInputDerivatives)(
     fmi2Component c, const fmi2ValueReference references[] IGNORED, size_t count IGNORED,
     const fmi2Integer orders[] IGNORED, const fmi2Real values[] IGNORED)
@@ -326,3 +396,5 @@ STICKSLIP_EXPORT fmi2Status FMI2(fmi2GetStringStatus)(fmi2Component c,
 {
     return c == NULL ? fmi2Error : fmi2Discard;
 }
+
+#endif

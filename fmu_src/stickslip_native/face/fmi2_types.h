@@ -1,4 +1,4 @@
-/* Types of FMI 2.0.5, section 2.1 and 4.2, as far as co-simulation has them. */
+/* Types of FMI 2.0.5, sections 2.1, 3.2 and 4.2. */
 #ifndef STICKSLIP_FMI2_TYPES_H
 #define STICKSLIP_FMI2_TYPES_H
 
@@ -36,6 +36,15 @@ typedef struct {
     void (*stepFinished)(fmi2ComponentEnvironment environment, fmi2Status status);
     fmi2ComponentEnvironment componentEnvironment;
 } fmi2CallbackFunctions;
+
+typedef struct {
+    fmi2Boolean newDiscreteStatesNeeded;
+    fmi2Boolean terminateSimulation;
+    fmi2Boolean nominalsOfContinuousStatesChanged;
+    fmi2Boolean valuesOfContinuousStatesChanged;
+    fmi2Boolean nextEventTimeDefined;
+    fmi2Real nextEventTime;
+} fmi2EventInfo;
 
 /* A library that is linked statically has the name of the model before each function. */
 #if defined FMI2_OVERRIDE_FUNCTION_PREFIX && defined FMI2_ACTUAL_FUNCTION_PREFIX

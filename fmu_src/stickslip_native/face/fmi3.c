@@ -162,7 +162,7 @@ STICKSLIP_EXPORT fmi3Status FMI3(fmi3DoStep)(fmi3Instance instance, fmi3Float64 
 
 STICKSLIP_EXPORT fmi3Status FMI3(fmi3EnterEventMode)(fmi3Instance instance)
 {
-    return status_of(instance_enter_event_mode(instance));
+    return status_of(instance_enter_event_mode(instance, "fmi3EnterEventMode"));
 }
 
 STICKSLIP_EXPORT fmi3Status FMI3(fmi3UpdateDiscreteStates)(
@@ -180,7 +180,7 @@ STICKSLIP_EXPORT fmi3Status FMI3(fmi3UpdateDiscreteStates)(
         !instance_given(it, CALL, "nextEventTime", next_event))
         return fmi3Error;
     *need_update = *terminate = *nominals_changed = *values_changed = *next_event_defined = false;
-    if (!instance_update(it, next_event)) return fmi3Error;
+    if (!instance_update(it, CALL, next_event)) return fmi3Error;
     *next_event_defined = *next_event < DBL_MAX;
     /* A solver that is not told so goes on with what it knew of the arc before. */
     *values_changed = *nominals_changed = it->solves;
@@ -196,12 +196,12 @@ STICKSLIP_EXPORT fmi3Status FMI3(fmi3EnterStepMode)(fmi3Instance instance)
 
 STICKSLIP_EXPORT fmi3Status FMI3(fmi3EnterContinuousTimeMode)(fmi3Instance instance)
 {
-    return status_of(instance_enter_continuous(instance));
+    return status_of(instance_enter_continuous(instance, "fmi3EnterContinuousTimeMode"));
 }
 
 STICKSLIP_EXPORT fmi3Status FMI3(fmi3SetTime)(fmi3Instance instance, fmi3Float64 time)
 {
-    return status_of(instance_set_time(instance, time));
+    return status_of(instance_set_time(instance, "fmi3SetTime", time));
 }
 
 STICKSLIP_EXPORT fmi3Status FMI3(fmi3CompletedIntegratorStep)(
@@ -209,7 +209,7 @@ STICKSLIP_EXPORT fmi3Status FMI3(fmi3CompletedIntegratorStep)(
     fmi3Boolean *terminate)
 {
     static const char *const CALL = "fmi3CompletedIntegratorStep";
-    if (!instance_complete_step(instance) ||
+    if (!instance_complete_step(instance, CALL) ||
         !instance_given(instance, CALL, "enterEventMode", enter_event_mode) ||
         !instance_given(instance, CALL, "terminateSimulation", terminate))
         return fmi3Error;

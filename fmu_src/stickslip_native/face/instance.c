@@ -56,7 +56,7 @@ static bool sound(struct instance *it)
 static bool refuse(struct instance *it, enum refusal refusal, double time, double step)
 {
     char reason[MESSAGE_SIZE];
-    refusal_text(refusal, &it->now.values, time, step, reason);
+    refusal_text(refusal, &it->now.block.wanted, time, step, reason);
     return instance_fail(it, reason);
 }
 
@@ -118,7 +118,7 @@ static void warn(struct instance *it)
 {
     char text[MESSAGE_SIZE];
     struct remark remarks[MOST_REMARKS];
-    const int count = LAW.remarks(&it->now.values, remarks);
+    const int count = LAW.remarks(&it->now.block.wanted, remarks);
     bool told = count == it->warned;
     for (int n = 0; n < count && told; n++) told = same_remark(&remarks[n], &it->warned_of[n]);
     if (told) return;
@@ -139,7 +139,7 @@ static double *value_of(struct settings *settings, const struct row *row)
 /* Start the block with the values set. */
 static bool start_block(struct instance *it)
 {
-    const enum refusal refused = block_start(&it->now.block, &it->now.values, it->now.time);
+    const enum refusal refused = block_start(&it->now.block, &it->now.block.wanted, it->now.time);
     it->now.settled = refused == ACCEPTED;
     return it->now.settled || refuse(it, refused, 0.0, 0.0);
 }
@@ -165,22 +165,20 @@ static bool read_discrete(struct instance *it, double values[DISCRETE])
 /* Hold the discrete outputs as they are now. */
 static bool hold_discrete(struct instance *it)
 {
-    return read_discrete(it, it->now.held);
+    return read_discrete(it, it->now.of.held);
 }
 
 bool instance_reset(struct instance *it)
 {
     if (it == NULL) return false;
     for (int n = 0; n < VARIABLES; n++)
-        if (ROWS[n].settable) *value_of(&it->now.values, &ROWS[n]) = ROWS[n].start;
+        if (ROWS[n].settable) *value_of(&it->now.block.wanted, &ROWS[n]) = ROWS[n].start;
     it->now.time = 0.0;
     it->now.phase = INSTANTIATED;
     it->ready = it->failed = false;
     it->warned = 0;
     it->now.holds = false;
-    memset(it->now.held, 0, sizeof it->now.held);
     it->now.solved = false;
-    it->now.solver = (struct continuous){.time = 0.0};
     return start_block(it);
 }
 
@@ -263,7 +261,7 @@ bool instance_exit_initialization(struct instance *it)
     it->now.phase = it->has_events || it->solves ? EVENT_MODE : STEPPING;
     it->now.holds = it->has_events;
     it->now.solved = it->solves;
-    if (it->solves) continuous_start(&it->now.solver, &it->now.block, it->now.time);
+    if (it->solves) continuous_start(&it->now.of.solver, &it->now.block, it->now.time);
     warn(it);
     return !it->has_events || hold_discrete(it);
 }
@@ -293,7 +291,7 @@ static enum status refuse_step(struct instance *it, enum refusal refused, double
         refuse(it, refused, time, step);
         return STATUS_ERROR;
     }
-    refusal_text(refused, &it->now.values, time, step, reason);
+    refusal_text(refused, &it->now.block.wanted, time, step, reason);
     instance_tell(it, STATUS_DISCARD, reason);
     return STATUS_DISCARD;
 }
@@ -329,7 +327,7 @@ enum status instance_step_to_event(struct instance *it, double time, double step
     if (!it->has_events) return STATUS_OK;
     double values[DISCRETE];
     if (!read_discrete(it, values)) return STATUS_ERROR;
-    *event = stop.event || memcmp(values, it->now.held, sizeof values) != 0;
+    *event = stop.event || memcmp(values, it->now.of.held, sizeof values) != 0;
     if (*event) {
         it->now.phase = EVENT_DUE;
         it->ready = false;
@@ -337,18 +335,17 @@ enum status instance_step_to_event(struct instance *it, double time, double step
     return STATUS_OK;
 }
 
-bool instance_enter_event_mode(struct instance *it)
+bool instance_enter_event_mode(struct instance *it, const char *call)
 {
+    char reason[MESSAGE_SIZE];
     if (!sound(it)) return false;
-    if (it->solves) {
-        if (!require(it, CONTINUOUS, "fmi3EnterEventMode")) return false;
-        it->now.phase = EVENT_MODE;
-        return true;
+    if (!it->solves && !it->has_events) {
+        snprintf(reason, sizeof reason,
+                 "%s is not allowed here: the instance was made without event mode", call);
+        return instance_fail(it, reason);
     }
-    if (!it->has_events)
-        return instance_fail(it, "fmi3EnterEventMode is not allowed here: the instance was made "
-                                 "without event mode");
-    if (it->now.phase != EVENT_DUE && !require(it, STEPPING, "fmi3EnterEventMode")) return false;
+    if (it->now.phase != EVENT_DUE && !require(it, it->solves ? CONTINUOUS : STEPPING, call))
+        return false;
     it->now.phase = EVENT_MODE;
     it->ready = false;
     return true;
@@ -359,17 +356,17 @@ static bool settle(struct instance *it, const char *call)
 {
     if (!sound(it) || !require(it, EVENT_MODE, call)) return false;
     const enum refusal refused = it->now.solved
-                                     ? continuous_update(&it->now.solver, &it->now.block)
+                                     ? continuous_update(&it->now.of.solver, &it->now.block)
                                      : block_settle(&it->now.block, it->now.time);
     if (refused != ACCEPTED) return refuse(it, refused, it->now.time, 0.0);
     warn(it);
     return it->now.solved || hold_discrete(it);
 }
 
-bool instance_update(struct instance *it, double *next_event)
+bool instance_update(struct instance *it, const char *call, double *next_event)
 {
-    if (!settle(it, "fmi3UpdateDiscreteStates")) return false;
-    *next_event = it->now.solved ? it->now.solver.due
+    if (!settle(it, call)) return false;
+    *next_event = it->now.solved ? it->now.of.solver.due
                                  : block_next_event(&it->now.block, it->now.time);
     return true;
 }
@@ -425,7 +422,7 @@ static bool is_of_equations(const struct type *type, uint32_t reference)
 static struct continuous equations_of(const struct instance *it)
 {
     struct continuous made;
-    if (it->now.solved) return it->now.solver;
+    if (it->now.solved) return it->now.of.solver;
     continuous_start(&made, &it->now.block, it->now.time);
     made.entered = made.time - it->now.block.elapsed.high;
     return made;
@@ -497,11 +494,11 @@ static enum refusal read_beside(struct instance *it, uint32_t reference, double 
     if (it->now.solved && !row->settable) {
         const enum refusal refused = adopt(it);
         if (refused != ACCEPTED) return refused;
-        return continuous_read(&it->now.solver, acting(it, &scratch), (enum reference)reference,
+        return continuous_read(&it->now.of.solver, acting(it, &scratch), (enum reference)reference,
                                value);
     }
     if (row->discrete < 0) return block_read(&it->now.block, (enum reference)reference, value);
-    *value = it->now.held[row->discrete];
+    *value = it->now.of.held[row->discrete];
     return ACCEPTED;
 }
 
@@ -550,7 +547,7 @@ bool instance_set(struct instance *it, const struct type *type, uint32_t referen
     char reason[MESSAGE_SIZE];
     const struct row *row = &ROWS[reference];
     const bool runs = running(it);
-    double *kept = value_of(&it->now.values, row);
+    double *kept = value_of(&it->now.block.wanted, row);
 
     if (it->now.phase == TERMINATED) {
         snprintf(reason, sizeof reason, "%s cannot be set: the simulation is terminated",
@@ -582,9 +579,8 @@ bool instance_set(struct instance *it, const struct type *type, uint32_t referen
         *kept = value;
         it->now.settled = false;
     } else if (value != *kept) {
-        *kept = value;
         block_set(&it->now.block, (enum reference)reference, value);
-        if (it->now.phase == CONTINUOUS) continuous_note(&it->now.solver, &it->now.block);
+        if (it->now.phase == CONTINUOUS) continuous_note(&it->now.of.solver, &it->now.block);
     }
     return true;
 }
@@ -606,26 +602,24 @@ static bool solving(struct instance *it, const char *call)
     return it != NULL && it->solves ? sound(it) : it != NULL && instance_absent(it, call);
 }
 
-bool instance_enter_continuous(struct instance *it)
+bool instance_enter_continuous(struct instance *it, const char *call)
 {
-    static const char *const CALL = "fmi3EnterContinuousTimeMode";
-    if (!solving(it, CALL) || !settle(it, CALL)) return false;
+    if (!solving(it, call) || !settle(it, call)) return false;
     it->now.phase = CONTINUOUS;
     return true;
 }
 
-bool instance_set_time(struct instance *it, double time)
+bool instance_set_time(struct instance *it, const char *call, double time)
 {
-    if (!solving(it, "fmi3SetTime") || !require(it, CONTINUOUS, "fmi3SetTime")) return false;
+    if (!solving(it, call) || !require(it, CONTINUOUS, call)) return false;
     if (!isfinite(time)) return refuse(it, TIME_OUT_OF_RANGE, time, 0.0);
-    it->now.time = it->now.solver.time = time;
+    it->now.time = it->now.of.solver.time = time;
     return true;
 }
 
-bool instance_complete_step(struct instance *it)
+bool instance_complete_step(struct instance *it, const char *call)
 {
-    static const char *const CALL = "fmi3CompletedIntegratorStep";
-    return solving(it, CALL) && require(it, CONTINUOUS, CALL);
+    return solving(it, call) && require(it, CONTINUOUS, call);
 }
 
 /* Check an array of a call of model exchange, and let inputs that moved act. */
@@ -671,7 +665,7 @@ bool instance_set_states(struct instance *it, const char *call, const double val
 {
     if (!array(it, call, values, count, STATES) || !require(it, CONTINUOUS, call)) return false;
     if (!all_finite(it, call, values, count)) return false;
-    memcpy(it->now.solver.states, values, sizeof it->now.solver.states);
+    memcpy(it->now.of.solver.states, values, sizeof it->now.of.solver.states);
     return true;
 }
 
@@ -732,7 +726,7 @@ static bool keep(struct instance *it, const char *call, const struct situation *
     char reason[MESSAGE_SIZE];
     struct state *state = *handle;
     if (!is_live(it, state))
-        state = it->freed < MOST_FREED ? malloc(sizeof *state) : oldest_freed(it);
+        state = it->freed < LEAST_FREED ? malloc(sizeof *state) : oldest_freed(it);
     if (state == NULL) {
         snprintf(reason, sizeof reason, "%s: out of memory", call);
         return instance_fail(it, reason);
@@ -786,7 +780,7 @@ bool instance_free_state(struct instance *it, const char *call, void **handle)
         else
             it->newest_freed->next = state;
         it->newest_freed = state;
-        if (++it->freed > MOST_FREED) free(oldest_freed(it));
+        it->freed++;
     }
     *handle = NULL;
     return true;

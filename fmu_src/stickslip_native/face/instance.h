@@ -41,8 +41,9 @@ struct version {
                 const char *text);
 };
 
-/* The last freed states, which an instance keeps: a second use of one of them is seen. */
-enum { MOST_FREED = 32 };
+/* Freed states are taken again, the oldest first, and so many wait: a use of one of those is seen,
+ * and no memory is read that was given back. */
+enum { LEAST_FREED = 16 };
 
 struct instance {
     struct situation now;
@@ -111,14 +112,14 @@ enum status instance_step_to_event(struct instance *it, double time, double step
 
 /* Event mode, of instances that have it. The update goes through all that is due, and tells when
  * the next change of mode will be [s], infinity where none is known. */
-bool instance_enter_event_mode(struct instance *it);
-bool instance_update(struct instance *it, double *next_event);
+bool instance_enter_event_mode(struct instance *it, const char *call);
+bool instance_update(struct instance *it, const char *call, double *next_event);
 bool instance_enter_step_mode(struct instance *it);
 
 /* Model exchange. The arrays are of STATES and INDICATORS values. */
-bool instance_enter_continuous(struct instance *it);
-bool instance_set_time(struct instance *it, double time);
-bool instance_complete_step(struct instance *it);
+bool instance_enter_continuous(struct instance *it, const char *call);
+bool instance_set_time(struct instance *it, const char *call, double time);
+bool instance_complete_step(struct instance *it, const char *call);
 bool instance_get_states(struct instance *it, const char *call, double values[], size_t count);
 bool instance_set_states(struct instance *it, const char *call, const double values[],
                          size_t count);

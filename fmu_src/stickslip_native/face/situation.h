@@ -19,14 +19,15 @@ enum phase {
 
 struct situation {
     struct block block;
-    struct settings values; /* as last set: before the start of the block they are not in it */
     double time;            /* the start time, or the end of the last step [s] */
     enum phase phase;
-    bool settled; /* whether the block was started from `values` */
+    bool settled; /* whether the block was started from what was set */
     bool holds;   /* whether discrete outputs are held from event mode to event mode */
     bool solved;  /* whether a solver of the simulator's moves the block, from its start on */
-    double held[DISCRETE];    /* the outputs that are held, else 0 */
-    struct continuous solver; /* zeros where none does */
+    union {
+        double held[DISCRETE];    /* the outputs that are held, where they are */
+        struct continuous solver; /* where one moves the block */
+    } of;
 };
 
 #endif

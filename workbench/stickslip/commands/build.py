@@ -30,6 +30,7 @@ def build(
     law: str = COULOMB,
     native: bool = False,
     this_machine: bool = False,
+    interface: Literal["cs", "me"] = "cs",
 ) -> None:
     """Build the FMU; print its path, size and SHA-256.
 
@@ -40,9 +41,10 @@ def build(
 
     The --native FMU needs no Python in the simulator. It knows the built-in friction laws.
     """
-    if this_machine and not native and fmi == "2":
+    if this_machine and not native and fmi == "2" and interface == "cs":
         raise CommandError("--this-machine is for --native; the Python FMU is not compiled")
-    fmu = built(output, "-o", native=native, fmi=int(fmi), law=law, this_machine=this_machine)
+    options = {"law": law, "this_machine": this_machine, "interface": interface}
+    fmu = built(output, "-o", native=native, fmi=int(fmi), **options)
     failed = False
     if not bare and law == COULOMB:
         from stickslip.judgements import verify

@@ -93,7 +93,6 @@ const struct arc_functions *const ARCS[ARC_TAGS] = {
 };
 
 const struct law LAW = {
-    .own_count = 0,
     .under = coulomb_under,
     .hold = sticking_hold,
     .force = coulomb_force,

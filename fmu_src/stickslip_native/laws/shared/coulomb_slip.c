@@ -262,12 +262,6 @@ double coulomb_slip_heat(const struct arc *arc, double tau, double displacement)
     return heat;
 }
 
-void coulomb_slip_own(const struct arc *arc, double tau, double own[MOST_OWN])
-{
-    (void)arc, (void)tau;
-    for (int n = 0; n < MOST_OWN; n++) own[n] = 0.0;
-}
-
 const struct arc_functions COULOMB_SLIP_FUNCTIONS = {
     .start = coulomb_slip_start,
     .state = coulomb_slip_state,
@@ -275,5 +269,4 @@ const struct arc_functions COULOMB_SLIP_FUNCTIONS = {
     .pull_work = coulomb_slip_pull_work,
     .heat = coulomb_slip_heat,
     .extreme_velocity = coulomb_slip_extreme_velocity,
-    .own = coulomb_slip_own,
 };

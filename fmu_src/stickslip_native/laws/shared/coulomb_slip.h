@@ -33,7 +33,6 @@ struct motion coulomb_slip_end(const struct arc *arc);
 double coulomb_slip_pull_work(const struct arc *arc, double tau);
 double coulomb_slip_heat(const struct arc *arc, double tau, double displacement);
 double coulomb_slip_extreme_velocity(const struct arc *arc, double tau);
-void coulomb_slip_own(const struct arc *arc, double tau, double own[MOST_OWN]);
 
 /* What the force lacks of F_s at the end, in the direction of the slip [N], known without the
  * difference of two large forces; `gap` is F_s less kinetic friction [N]. */

@@ -299,5 +299,4 @@ const struct arc_functions BAND_SLIP_FUNCTIONS = {
     .pull_work = coulomb_slip_pull_work,
     .heat = band_slip_heat,
     .extreme_velocity = band_slip_extreme_velocity,
-    .own = coulomb_slip_own,
 };

@@ -252,12 +252,6 @@ static double piece_heat(const struct arc *arc, double tau, double displacement)
     return total * piece->scale;
 }
 
-static void piece_own(const struct arc *arc, double tau, double own[MOST_OWN])
-{
-    (void)arc, (void)tau;
-    for (int n = 0; n < MOST_OWN; n++) own[n] = 0.0;
-}
-
 const struct arc_functions PIECE_FUNCTIONS = {
     .start = piece_start,
     .state = piece_state,
@@ -265,5 +259,4 @@ const struct arc_functions PIECE_FUNCTIONS = {
     .pull_work = piece_pull_work,
     .heat = piece_heat,
     .extreme_velocity = piece_extreme_velocity,
-    .own = piece_own,
 };
