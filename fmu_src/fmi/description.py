@@ -100,6 +100,7 @@ def model_description(
     refusals: str = "",
     sources: Iterable[str] = (),
     equations: Optional[Equations] = None,
+    moving: Tuple[str, ...] = (),
 ) -> Element:
     """Return the root of modelDescription.xml.
 
@@ -120,6 +121,8 @@ def model_description(
     equations
         What the FMU has for model exchange, None for nothing. An FMU of FMI 2.0 has this interface
         alone then.
+    moving
+        Inputs of co-simulation that may move within a step.
 
     Raises
     ------
@@ -146,7 +149,9 @@ def model_description(
             "variableNamingConvention": "flat",
         },
     )
-    able = _CAPABILITIES[face]
+    able = dict(_CAPABILITIES[face])
+    if moving:
+        able["canInterpolateInputs" if face == 2 else "providesIntermediateUpdate"] = "true"
     interfaces = {"CoSimulation": able}
     if equations is not None:
         both = {name: able[name] for name in _OF_BOTH if name in able}
@@ -164,6 +169,9 @@ def model_description(
         _add(root, "VendorAnnotations", _annotations(spec, "Tool", "name"))
     variables = SubElement(root, "ModelVariables")
     variables.extend(_variables(table, face, equations is not None))
+    for variable in variables if face == 3 else ():
+        if variable.attrib["name"] in moving:
+            variable.set("intermediateUpdate", "true")
     structure = SubElement(root, "ModelStructure")
     _add_structure(structure, table, face)
     if equations is not None:

@@ -15,6 +15,8 @@ from .named import HOME, native_law
 from .platforms import Platform, universal
 from .table import table_files
 
+_MOVING = ("v", "load", "F_ext")
+"""Inputs that may move within a step: core/ramp.c."""
 _FOLDERS = ("core", "face")
 _OTHER_FACE = {2: "fmi3", 3: "fmi2"}
 
@@ -129,7 +131,9 @@ def description(
     maker, own = f"stickslip {spec.version}", _identity(face, sources, model_exchange)
     refusals = "A call was refused, and why."
     equations = EQUATIONS if face == 3 or model_exchange else None
-    return _text_of(model_description(spec, face, own, maker, refusals, compiled, equations))
+    moving = () if model_exchange else _MOVING
+    root = model_description(spec, face, own, maker, refusals, compiled, equations, moving)
+    return _text_of(root)
 
 
 def _identity(face: Face, sources: Mapping[str, bytes], model_exchange: bool) -> str:

@@ -89,7 +89,9 @@ def test_a_description_claims_what_importers_ask_for_and_no_more(description: An
     assert (description.modelExchange is not None) == events
     assert getattr(slave, "hasEventMode", False) == events
     assert getattr(slave, "mightReturnEarlyFromDoStep", False) == events
-    assert not getattr(slave, "providesIntermediateUpdate", False)
+    assert getattr(slave, "providesIntermediateUpdate", False) == events
+    native = description.generationTool.startswith("stickslip")
+    assert bool(slave.canInterpolateInputs) == (native and not events)
 
 
 @needs("cc")

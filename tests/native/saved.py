@@ -23,7 +23,8 @@ def fields(table: Table) -> Iterator[tuple[str, str]]:
     yield from (("n_slips", "i"), ("seen_break_away", "?"), ("peak", "d"))
     yield from _sums(_METER_SUMS)
     yield from (("started", "?"), ("changed", "?"))
-    yield from (("time", "d"), ("fmi_phase", "i"), ("settled", "?"), ("holds", "?"))
+    yield from (("time", "d"), ("rate.v", "d"), ("rate.load", "d"), ("rate.F_ext", "d"))
+    yield from (("moves", "?"), ("fmi_phase", "i"), ("settled", "?"), ("holds", "?"))
     yield from (("solved", "?"), ("moved", "?"))
     yield from ((f"beside.{n}", "d") for n in range(12))
 

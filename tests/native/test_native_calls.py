@@ -27,7 +27,9 @@ HEADERS = Path(fmpy.__file__).parent / "c-code"
 # By their names in the headers of the standard.
 _MODEL_EXCHANGE_2 = r"EnterEvent|Discrete|Continuous|CompletedIntegrator|SetTime|GetDerivat|Indicat"
 _CO_SIMULATION_2 = r"DoStep|CancelStep|Status$|put\w*Derivatives$"
-_NOT_OFFERED = r"(Directional|Adjoint|put)Derivatives?$|Dependenc|Configuration|CancelStep"
+_NOT_OFFERED = (
+    r"(Directional|Adjoint|GetRealOutput|GetOutput)Derivatives?$|Dependenc|Configuration|CancelStep"
+)
 _OF_OTHER_MODES = (
     r"ContinuousTimeMode|EvaluateDiscrete|[GS]etClock|Interval|Shift|[GS]etContinuous"
     r"|SetTime|CompletedIntegratorStep|Nominals|GetEventIndicators|ActivateModelPartition"
@@ -138,7 +140,7 @@ def test_a_call_of_another_mode_fails_until_a_reset(name: str) -> None:
         assert instance.fmu.messages[-1][2] == words
 
 
-def test_clocks_and_intermediate_update_are_not_instantiated() -> None:
+def test_clocks_and_updates_of_what_is_no_input_are_not_instantiated() -> None:
     fmu = loaded(built("native-3"))
     no = c.c_bool(False)
     function = fmu.library.fmi3InstantiateScheduledExecution
@@ -149,9 +151,10 @@ def test_clocks_and_intermediate_update_are_not_instantiated() -> None:
     fmu.instance().free()
     make = fmu.library.fmi3InstantiateCoSimulation
     for logger in (fmu.logger, None):
-        flags = (no, no, no, no, None, c.c_size_t(1), None)
-        assert make(b"a", fmu.token, None, *flags, logger, None) is None
-    assert "intermediate update is not offered" in fmu.messages[-1][2]
+        for wanted in (None, c.byref(c.c_uint32(fmu.references["k"]))):
+            flags = (no, no, no, no, wanted, c.c_size_t(1), None)
+            assert make(b"a", fmu.token, None, *flags, logger, fmu.logger) is None
+    assert "intermediate update is for v, load and F_ext" in fmu.messages[-1][2]
 
 
 def test_fmi_2_tells_the_last_successful_time_and_that_no_step_ends_the_simulation() -> None:

@@ -300,6 +300,31 @@ enum refusal block_advance_to_event(struct block *block, double time, double ste
     return advance_through(block, time, step, stop);
 }
 
+enum refusal block_lift(struct block *block, double time, double *age)
+{
+    const enum refusal refused = begin(block, time);
+    if (refused != ACCEPTED) return refused;
+    *age = age_of(block);
+    const enum refusal left = block_refresh(block);
+    bank(block, tau_of(block), functions_of(&block->arc)->state(&block->arc, tau_of(block)));
+    return left;
+}
+
+enum refusal block_land(struct block *block, double time, int mode, double z, double x_dot,
+                        double age)
+{
+    const struct friction before = block->friction;
+    enum refusal refused = adopt_settings(block, &before);
+    if (refused == ACCEPTED)
+        refused = LAW.begin(&block->friction, mode, z, x_dot, age, &block->arc);
+    if (refused != ACCEPTED) return refused;
+    stand_at_start(block);
+    if (mode == 0 && block->mode != 0) meter_break_away(&block->meter, time);
+    block->changed = false;
+    block->horizon = block->arc.duration;
+    return block_refresh(block);
+}
+
 enum refusal block_settle(struct block *block, double time)
 {
     struct sum left;

@@ -65,6 +65,14 @@ enum refusal block_check(const struct block *block);
  * After TOO_MANY_TRANSITIONS the block is as it was. */
 enum refusal block_advance(struct block *block, double time, double step);
 
+/* Let what was set act at this time [s], and stand at the start of an arc where the block is, for a
+ * motion along no arc; `age` is the time at rest [s]. */
+enum refusal block_lift(struct block *block, double time, double *age);
+
+/* Begin an arc at this time [s] where such a motion led to, under the settings last set. */
+enum refusal block_land(struct block *block, double time, int mode, double z, double x_dot,
+                        double age);
+
 /* Where a step ended: at its end, or at the first change of mode in it. */
 struct stop {
     double time; /* [s] */

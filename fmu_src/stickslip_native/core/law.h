@@ -19,6 +19,7 @@
 #include "oscillator.h"
 #include "refusal.h"
 #include "remark.h"
+#include "shapes.h"
 #include "table.h"
 
 #include <stdbool.h>
@@ -48,6 +49,14 @@ struct stick {
     double way; /* what the force lacks of F_s in the direction of the pull [N], if way_known */
     double z_end;
     bool way_known;
+};
+
+/* A band of speeds in which friction is a straight line. */
+struct band {
+    double low, high; /* ends of the band [m/s]; 0 is the lowest, infinity the highest */
+    double rise;      /* intercept of the line less the friction at standstill [N] */
+    double slope;     /* of the line [N.s/m] */
+    double friction;  /* on the line at the speed `low` [N] */
 };
 
 #include "friction_law.h"
@@ -87,12 +96,23 @@ struct friction {
     union friction_data of;
 };
 
+/* Friction over speed in a band: the straight line, less drop (1 - e(u/v_s)). */
+struct part {
+    struct band band;
+    double drop, v_s; /* [N], [m/s] */
+    struct fall_shape shape;
+};
+
 struct law {
     /* Put settings in force; `before` is what held until now, or NULL. */
     enum refusal (*under)(struct friction *made, const struct settings *settings,
                           const struct friction *before);
     /* Break-away force of a stick of this age [N]. */
     double (*hold)(const struct friction *it, double age);
+    /* The part of the friction over speed in which a slip from this speed goes on, upward where it
+     * `rises`. A slip from rest begins under the net force [N], which grows so fast [N/s]. */
+    void (*part)(const struct friction *it, double speed, bool rises, double net, double rate,
+                 struct part *made);
     /* Friction of a slip at this speed, at least 0, without its viscous part [N]. */
     double (*force)(const struct friction *it, double speed);
     /* The arc that begins where the mass stands; mode 0 for a mass at rest. */

@@ -13,9 +13,9 @@ enum { VERSION = 3, HASH_SIZE = 8, HEAD_SIZE = sizeof MAGIC + 4 + 4 + HASH_SIZE 
 /* What is written of a situation. */
 struct saved {
     struct block_state block;
-    double time;
+    double time, rates[MOVING];
     int32_t phase;
-    bool settled, holds, solved;
+    bool moves, settled, holds, solved;
     double held[DISCRETE];
     struct continuous solver;
 };
@@ -144,6 +144,8 @@ static void visit(struct stream *stream, struct saved *it)
     truth(stream, &it->block.started);
     truth(stream, &it->block.changed);
     real(stream, &it->time);
+    for (int n = 0; n < MOVING; n++) real(stream, &it->rates[n]);
+    truth(stream, &it->moves);
     integer(stream, &it->phase);
     truth(stream, &it->settled);
     truth(stream, &it->holds);
@@ -181,11 +183,13 @@ void bytes_write(const struct situation *situation, unsigned char *bytes)
     struct saved saved = {
         .time = situation->time,
         .phase = (int32_t)situation->phase,
+        .moves = situation->moves,
         .settled = situation->settled,
         .holds = situation->holds,
         .solved = situation->solved,
     };
     if (saved.solved) saved.solver = situation->of.solver;
+    memcpy(saved.rates, situation->rates, sizeof saved.rates);
     if (saved.holds) memcpy(saved.held, situation->of.held, sizeof saved.held);
     struct stream stream = {.way = WRITE, .to = bytes, .at = sizeof MAGIC, .sound = true};
     uint64_t version = VERSION, length = bytes_count(), names = hash_of_names();
@@ -316,6 +320,8 @@ bool bytes_read(const unsigned char *bytes, size_t size, struct situation *made,
     }
     made->time = saved.time;
     made->phase = (enum phase)saved.phase;
+    memcpy(made->rates, saved.rates, sizeof made->rates);
+    made->moves = saved.moves;
     made->settled = saved.settled;
     made->holds = saved.holds;
     made->solved = saved.solved;

@@ -334,10 +334,11 @@ STICKSLIP_EXPORT fmi2Status FMI2(fmi2DoStep)(fmi2Component c, fmi2Real time, fmi
 }
 
 STICKSLIP_EXPORT fmi2Status FMI2(fmi2SetRealInputDerivatives)(
-    fmi2Component c, const fmi2ValueReference references[] IGNORED, size_t count IGNORED,
-    const fmi2Integer orders[] IGNORED, const fmi2Real values[] IGNORED)
+    fmi2Component c, const fmi2ValueReference references[], size_t count,
+    const fmi2Integer orders[], const fmi2Real values[])
 {
-    return status_of(instance_unsupported(c, "fmi2SetRealInputDerivatives"));
+    return status_of(instance_set_rates(c, "fmi2SetRealInputDerivatives", references, count, orders,
+                                        values));
 }
 
 STICKSLIP_EXPORT fmi2Status FMI2(fmi2GetRealOutputDerivatives)(

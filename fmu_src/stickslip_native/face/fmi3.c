@@ -57,20 +57,25 @@ STICKSLIP_EXPORT fmi3Status FMI3(fmi3SetDebugLogging)(fmi3Instance instance, fmi
 STICKSLIP_EXPORT fmi3Instance FMI3(fmi3InstantiateCoSimulation)(
     fmi3String name, fmi3String token, fmi3String resources IGNORED, fmi3Boolean visible IGNORED,
     fmi3Boolean logging_on IGNORED, fmi3Boolean event_mode_used, fmi3Boolean early_return_allowed,
-    const fmi3ValueReference intermediate[] IGNORED,
-    size_t intermediate_count, fmi3InstanceEnvironment environment,
-    fmi3LogMessageCallback logger, fmi3IntermediateUpdateCallback update IGNORED)
+    const fmi3ValueReference intermediate[], size_t intermediate_count,
+    fmi3InstanceEnvironment environment, fmi3LogMessageCallback logger,
+    fmi3IntermediateUpdateCallback update)
 {
-    if (intermediate_count > 0) {
+    bool can = intermediate_count == 0 || (intermediate != NULL && update != NULL);
+    int position;
+    for (size_t n = 0; can && n < intermediate_count; n++)
+        can = instance_moves(intermediate[n], &position);
+    if (!can) {
         if (logger != NULL)
             logger(environment, fmi3Error, "logStatusError",
-                   "fmi3InstantiateCoSimulation: intermediate update is not offered");
+                   "fmi3InstantiateCoSimulation: intermediate update is for v, load and F_ext");
         return NULL;
     }
     struct instance *it =
         instance_make(&FMI3_VERSION, "fmi3InstantiateCoSimulation", name, STICKSLIP_IDENTITY, token,
                       (void (*)(void))logger, environment);
     if (it != NULL) {
+        it->update = intermediate_count > 0 ? (void (*)(void))update : NULL;
         it->has_events = event_mode_used;
         it->stops = early_return_allowed;
     }
@@ -150,6 +155,15 @@ STICKSLIP_EXPORT fmi3Status FMI3(fmi3DoStep)(fmi3Instance instance, fmi3Float64 
         !instance_given(it, "fmi3DoStep", "lastSuccessfulTime", last_successful_time))
         return fmi3Error;
     *event_handling_needed = *terminate_simulation = *early_return = false;
+    if (it->update != NULL && !it->failed) {
+        /* The importer sets inputs to what they are at the end of the step. */
+        fmi3Boolean requested = false;
+        fmi3Float64 until = time + step;
+        it->gathers = true;
+        ((fmi3IntermediateUpdateCallback)it->update)(it->environment, until, true, false, false,
+                                                     false, &requested, &until);
+        it->gathers = false;
+    }
     const enum status status =
         it->has_events || it->stops
             ? instance_step_to_event(it, time, step, event_handling_needed, early_return)

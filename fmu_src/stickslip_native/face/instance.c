@@ -178,7 +178,9 @@ bool instance_reset(struct instance *it)
     it->ready = it->failed = false;
     it->warned = 0;
     it->now.holds = false;
-    it->now.solved = false;
+    it->now.solved = it->now.moves = false;
+    memset(it->now.rates, 0, sizeof it->now.rates);
+    memset(it->gathered, 0, sizeof it->gathered);
     return start_block(it);
 }
 
@@ -279,8 +281,55 @@ static bool prepare_step(struct instance *it)
 {
     if (!sound(it) || !require(it, STEPPING, "doStep")) return false;
     warn(it);
-    it->ready = true;
+    it->ready = !it->now.moves;
     return true;
+}
+
+bool instance_moves(uint32_t reference, int *position)
+{
+    for (*position = 0; *position < MOVING; ++*position)
+        if (reference == MOVES[*position]) return true;
+    return false;
+}
+
+bool instance_set_rates(struct instance *it, const char *call, const uint32_t references[],
+                        size_t count, const int orders[], const double values[])
+{
+    char reason[MESSAGE_SIZE];
+    int position;
+    if (!sound(it)) return false;
+    if (count > 0 && (!instance_given(it, call, "the list of value references", references) ||
+                      !instance_given(it, call, "the list of orders", orders) ||
+                      !instance_given(it, call, "the list of values", values)))
+        return false;
+    for (size_t n = 0; n < count; n++) {
+        if (!instance_moves(references[n], &position) || orders[n] != 1 || !isfinite(values[n])) {
+            snprintf(reason, sizeof reason,
+                     "%s: v, load and F_ext have a derivative, of order 1 and finite", call);
+            return instance_fail(it, reason);
+        }
+        it->now.rates[position] = values[n];
+        it->now.moves = true;
+        it->ready = false;
+    }
+    return true;
+}
+
+/* Move the block by a step, with the inputs. */
+static enum refusal advance(struct instance *it, double time, double step)
+{
+    double ends[MOVING];
+    if (it->ready) return block_advance(&it->now.block, time, step);
+    for (int n = 0; n < MOVING; n++)
+        ends[n] = it->gathered[n] ? it->ends[n]
+                                  : *value_of(&it->now.block.wanted, &ROWS[MOVES[n]]) +
+                                        it->now.rates[n] * step;
+    const enum refusal refused = ramp_advance(&it->now.block, time, step, ends);
+    if (refused != ACCEPTED) return refused;
+    it->now.moves = false;
+    memset(it->now.rates, 0, sizeof it->now.rates);
+    memset(it->gathered, 0, sizeof it->gathered);
+    return ACCEPTED;
 }
 
 /* Refuse a step, or discard it. */
@@ -305,7 +354,7 @@ static double within_numbers(double time)
 enum status instance_step(struct instance *it, double time, double step)
 {
     if (it == NULL || (!it->ready && !prepare_step(it))) return STATUS_ERROR;
-    const enum refusal refused = block_advance(&it->now.block, time, step);
+    const enum refusal refused = advance(it, time, step);
     if (refused != ACCEPTED) return refuse_step(it, refused, time, step);
     it->now.time = within_numbers(time + step);
     return STATUS_OK;
@@ -316,9 +365,10 @@ enum status instance_step_to_event(struct instance *it, double time, double step
 {
     struct stop stop = {.time = time + step};
     if (!it->ready && !prepare_step(it)) return STATUS_ERROR;
-    enum refusal refused = it->stops
+    /* A step in which inputs move is completed. */
+    enum refusal refused = it->stops && it->ready
                                ? block_advance_to_event(&it->now.block, time, step, &stop)
-                               : block_advance(&it->now.block, time, step);
+                               : advance(it, time, step);
     if (refused == ACCEPTED && stop.event && !it->has_events)
         refused = block_settle(&it->now.block, stop.time);
     if (refused != ACCEPTED) return refuse_step(it, refused, time, step);
@@ -547,6 +597,7 @@ bool instance_set(struct instance *it, const struct type *type, uint32_t referen
     char reason[MESSAGE_SIZE];
     const struct row *row = &ROWS[reference];
     const bool runs = running(it);
+    int position;
     double *kept = value_of(&it->now.block.wanted, row);
 
     if (it->now.phase == TERMINATED) {
@@ -575,7 +626,15 @@ bool instance_set(struct instance *it, const struct type *type, uint32_t referen
         snprintf(reason, sizeof reason, "%s is tunable: it can change in event mode", row->name);
         return instance_fail(it, reason);
     }
-    if (!runs) {
+    if (it->gathers) {
+        if (!instance_moves(reference, &position)) {
+            snprintf(reason, sizeof reason, "%s cannot be set in an intermediate update", row->name);
+            return instance_fail(it, reason);
+        }
+        it->ends[position] = value;
+        it->gathered[position] = it->now.moves = true;
+        it->ready = false;
+    } else if (!runs) {
         *kept = value;
         it->now.settled = false;
     } else if (value != *kept) {
@@ -587,7 +646,7 @@ bool instance_set(struct instance *it, const struct type *type, uint32_t referen
 
 bool instance_end_set(struct instance *it)
 {
-    if (!running(it)) return true;
+    if (!running(it) || it->gathers) return true;
     /* Whether there is something to warn of shows when all values for a step are set. */
     it->ready = false;
     const enum refusal refused = block_check(&it->now.block);

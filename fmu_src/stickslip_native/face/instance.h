@@ -53,11 +53,15 @@ struct instance {
     bool has_events;                  /* whether event mode is used */
     bool stops;                       /* whether a step may end early */
     bool solves;                      /* whether it is one for model exchange */
+    bool gathers;                     /* whether inputs are set to what they are after the step */
+    bool gathered[MOVING];            /* which of them were */
+    double ends[MOVING];
     bool discards;                    /* whether its last call for a solver was discarded */
     bool logs_warnings, logs_errors;  /* which messages the simulator wants */
     struct remark warned_of[MOST_REMARKS];
     const struct version *version;
     void (*logger)(void); /* of the simulator, in the type of the FMI version; may be NULL */
+    void (*update)(void); /* what gives inputs that move, in the type of FMI 3.0; may be NULL */
     void *environment;
     const char *name;
     uint64_t mark; /* of states of this FMU */
@@ -100,6 +104,13 @@ bool instance_set_start(struct instance *it, double start_time);
 bool instance_enter_initialization(struct instance *it);
 bool instance_exit_initialization(struct instance *it);
 bool instance_terminate(struct instance *it);
+
+/* The rates of inputs in the next step, at the end of which they stay as they are then. */
+bool instance_set_rates(struct instance *it, const char *call, const uint32_t references[],
+                        size_t count, const int orders[], const double values[]);
+
+/* Whether this is an input that may move; its position among them. */
+bool instance_moves(uint32_t reference, int *position);
 
 /* Move on by one step [s] from this time [s]. A step that would take minutes is discarded: the
  * instance is as it was, and may be called on. */

@@ -3,6 +3,7 @@
 #define STICKSLIP_SITUATION_H
 
 #include "continuous.h"
+#include "ramp.h"
 
 #include <stdbool.h>
 
@@ -21,6 +22,8 @@ struct situation {
     struct block block;
     double time;            /* the start time, or the end of the last step [s] */
     enum phase phase;
+    double rates[MOVING];   /* of the inputs in the next step, if they move [1/s] */
+    bool moves;
     bool settled; /* whether the block was started from what was set */
     bool holds;   /* whether discrete outputs are held from event mode to event mode */
     bool solved;  /* whether a solver of the simulator's moves the block, from its start on */

@@ -54,6 +54,14 @@ static double coulomb_force(const struct friction *it, double speed)
     return it->kinetic;
 }
 
+static void coulomb_part(const struct friction *it, double speed, bool rises, double net,
+                         double rate, struct part *made)
+{
+    (void)speed, (void)rises, (void)net, (void)rate;
+    *made = (struct part){.band = {.high = HUGE_VAL, .friction = it->kinetic}, .v_s = 1.0};
+    fall_shape_make(true, 0.0, &made->shape);
+}
+
 static enum refusal coulomb_make_slip(const struct friction *it, int mode, double z, double x_dot,
                                       double net, struct arc *made)
 {
@@ -95,6 +103,7 @@ const struct arc_functions *const ARCS[ARC_TAGS] = {
 const struct law LAW = {
     .under = coulomb_under,
     .hold = sticking_hold,
+    .part = coulomb_part,
     .force = coulomb_force,
     .begin = sticking_begin,
     .after = sticking_after,

@@ -2,6 +2,7 @@
 
 #include "band.h"
 #include "coulomb_slip.h"
+#include "shapes.h"
 
 #include <math.h>
 
@@ -113,6 +114,14 @@ static const struct band *band_at(const struct friction *it, double speed, doubl
         if (force > 0.0 || (force == 0.0 && pull > speed)) band++;
     }
     return band;
+}
+
+void curve_part(const struct friction *it, double speed, bool rises, struct part *made)
+{
+    const struct band *band = it->of.stribeck.curve.bands;
+    while (speed > band->high || (speed == band->high && rises)) band++;
+    *made = (struct part){.band = *band, .v_s = 1.0};
+    fall_shape_make(true, 0.0, &made->shape);
 }
 
 enum refusal curve_slip(const struct friction *it, int mode, double z, double x_dot, double net,

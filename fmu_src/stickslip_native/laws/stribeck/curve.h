@@ -20,6 +20,9 @@ bool curve_ignores(const struct settings *settings, struct remark *made);
 /* The bands of the curve under a normal force [N]. */
 void curve_make(const struct settings *settings, double normal, struct curve *made);
 
+/* The part in which a slip goes on from this speed, upward where it `rises`. */
+void curve_part(const struct friction *it, double speed, bool rises, struct part *made);
+
 /* The slip that starts so. `net` has the friction at standstill. */
 enum refusal curve_slip(const struct friction *it, int mode, double z, double x_dot, double net,
                         struct arc *made);

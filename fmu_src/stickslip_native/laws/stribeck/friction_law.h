@@ -3,26 +3,13 @@
 #define STICKSLIP_FRICTION_LAW_H
 
 #include "coulomb_slip_data.h"
+#include "series.h"
 
 #include <stdbool.h>
 
 enum shape { STRIBECK_SHAPE = 1, HYPERBOLIC, CURVE };
 
 enum { MOST_POINTS = 12 };
-
-/* Highest power of the series of the speed; that of friction goes up to one less. */
-enum { ORDER = 26 };
-
-/* For an exponent up to 8. */
-enum { MOST_PRODUCTS = 4 };
-
-/* A band of speeds in which friction is a straight line. */
-struct band {
-    double low, high; /* ends of the band [m/s]; 0 is the lowest, infinity the highest */
-    double rise;      /* intercept of the line less the friction at standstill [N] */
-    double slope;     /* of the line [N.s/m] */
-    double friction;  /* on the line at the speed `low` [N] */
-};
 
 /* A slip up to its end, or up to where its speed leaves a band: band.c. */
 struct band_slip {
@@ -32,21 +19,6 @@ struct band_slip {
     double floor, ceiling; /* the ends of the band, widened by rounding [m/s] */
     int leaves; /* +1 where the arc ends at the upper end, -1 at the lower one, else 0 */
     bool steady; /* whether the slip is exactly steady on a falling line, and so stays */
-};
-
-/* A product of two powers of q, by their positions: 0 is q itself, then come the products. */
-struct product {
-    int one, other;
-};
-
-/* A shape of friction that falls smoothly with q, the speed over v_s: shapes.c. */
-struct fall_shape {
-    bool is_hyperbolic, analytic; /* whether the series hold at q = 0 */
-    int products;
-    struct product chain[MOST_PRODUCTS]; /* that make q^delta, where delta is whole */
-    double delta;
-    double flat_from; /* q from which on nothing of the fall is left */
-    double breadth;   /* q over which the slope changes, at least */
 };
 
 /* Friction that falls smoothly with speed, on its mass and spring: smooth.c. */

@@ -50,6 +50,7 @@ static enum refusal expand(struct piece *made, int mode, double speed, double ne
         .q = first,
         .inner = shape_inner(shape, first),
         .fall = shape_left(shape, first),
+        .fallen = shape_fallen(shape, first),
         .driving = net + law->drop * shape_fallen(shape, first),
         .D = law->drop,
     };

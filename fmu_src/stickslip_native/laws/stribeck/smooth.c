@@ -76,11 +76,12 @@ static struct band steady_band(const struct smooth *it, double pull)
  *
  * The speed is A t + j t^2/2 with A = net/m, j = k V/m. Friction D q^delta advances the time by its
  * ratio to m A a time t, or to m j. */
-static struct band beginning(const struct smooth *it, double net, double pull, double kinetic)
+static struct band beginning(const struct smooth *it, double net, double k, double pull,
+                             double kinetic)
 {
     const double delta = it->shape.delta, share = SOON / (it->w * it->drop);
     double high = 0.0;
-    if (pull > 0.0) high = it->v_s * pow(share * it->k * pull, 1.0 / delta);
+    if (pull > 0.0) high = it->v_s * pow(share * k * pull, 1.0 / delta);
     if (net > 0.0) {
         const double quick = share * net * (net / (it->m * it->v_s));
         const double quickly = it->v_s * pow(quick, 1.0 / (delta + 1.0));
@@ -88,6 +89,25 @@ static struct band beginning(const struct smooth *it, double net, double pull, d
     }
     if (it->v_s < high) high = it->v_s;
     return (struct band){0.0, high > 0.0 ? high : it->v_s, 0.0, 0.0, kinetic};
+}
+
+void smooth_part(const struct friction *it, double speed, bool rises, double net, double rate,
+                 struct part *made)
+{
+    const struct smooth *smooth = &it->of.stribeck.smooth;
+    const double flat_from = smooth->shape.flat_from * smooth->v_s;
+    *made = (struct part){.band = {.high = HUGE_VAL}, .v_s = smooth->v_s};
+    fall_shape_make(true, 0.0, &made->shape);
+    if (smooth->drop == 0.0) return;
+    if (speed > flat_from || (speed == flat_from && rises)) {
+        made->band = (struct band){flat_from, HUGE_VAL, -smooth->drop, 0.0, smooth->rest};
+    } else if (speed == 0.0 && !smooth->shape.analytic) {
+        made->band = beginning(smooth, net, 1.0, rate, it->kinetic);
+    } else {
+        made->drop = smooth->drop;
+        made->shape = smooth->shape;
+        made->band.high = flat_from;
+    }
 }
 
 enum refusal smooth_slip(const struct friction *it, int mode, double z, double x_dot, double net,
@@ -110,7 +130,7 @@ enum refusal smooth_slip(const struct friction *it, int mode, double z, double x
             oscillator_make(&oscillator, smooth->k, smooth->m, smooth->c + band.slope);
         if (refused != ACCEPTED) return refused;
     } else if (speed == 0.0 && !smooth->shape.analytic) {
-        band = beginning(smooth, mode * net, pull, it->kinetic);
+        band = beginning(smooth, mode * net, smooth->k, pull, it->kinetic);
     } else {
         return piece_make(smooth, z, x_dot, mode, net, made);
     }

@@ -15,6 +15,11 @@ bool smooth_refuses(const struct settings *settings, struct remark *made);
 void smooth_make(const struct settings *settings, double mu_k_used, double normal,
                  struct smooth *made);
 
+/* The part in which a slip goes on from this speed, upward where it `rises`. One from rest begins
+ * under the net force [N], which grows so fast [N/s]. */
+void smooth_part(const struct friction *it, double speed, bool rises, double net, double rate,
+                 struct part *made);
+
 /* The slip that starts so, or its first part. `net` has the friction at standstill. */
 enum refusal smooth_slip(const struct friction *it, int mode, double z, double x_dot, double net,
                          struct arc *made);

@@ -83,6 +83,15 @@ static double stribeck_force(const struct friction *it, double speed)
     return it->kinetic + (band->rise + band->slope * speed);
 }
 
+static void stribeck_part(const struct friction *it, double speed, bool rises, double net,
+                          double rate, struct part *made)
+{
+    if (is_curve(&it->settings))
+        curve_part(it, speed, rises, made);
+    else
+        smooth_part(it, speed, rises, net, rate, made);
+}
+
 static enum refusal stribeck_slip(const struct friction *it, int mode, double z, double x_dot,
                                   double net, struct arc *made)
 {
@@ -139,6 +148,7 @@ const struct arc_functions *const ARCS[ARC_TAGS] = {
 const struct law LAW = {
     .under = stribeck_under,
     .hold = sticking_hold,
+    .part = stribeck_part,
     .force = stribeck_force,
     .begin = sticking_begin,
     .after = stribeck_after,

@@ -5,7 +5,25 @@
 #ifndef STICKSLIP_SHAPES_H
 #define STICKSLIP_SHAPES_H
 
-#include "law.h"
+#include <stdbool.h>
+
+/* For an exponent up to 8. */
+enum { MOST_PRODUCTS = 4 };
+
+/* A product of two powers of q, by their positions: 0 is q itself, then come the products. */
+struct product {
+    int one, other;
+};
+
+/* A shape of friction that falls smoothly with q, the speed over v_s. */
+struct fall_shape {
+    bool is_hyperbolic, analytic; /* whether the series hold at q = 0 */
+    int products;
+    struct product chain[MOST_PRODUCTS]; /* that make q^delta, where delta is whole */
+    double delta;
+    double flat_from; /* q from which on nothing of the fall is left */
+    double breadth;   /* q over which the slope changes, at least */
+};
 
 /* The shape of an exponent, or the hyperbolic one. */
 void fall_shape_make(bool is_hyperbolic, double delta, struct fall_shape *made);

@@ -74,7 +74,11 @@ void series_expand(const struct fall_shape *shape, const struct expansion *given
             slope[j] = j * p[j];
             e[j] = -folded(slope, e, j) / j;
         }
-        q[j + 1] = (given->A * (force - given->D * e[j]) - given->C * q[j]) / (j + 1);
+        const double left = j == 1 ? -given->fallen : e[j - 1];
+        q[j + 1] = (given->A * (force - given->D * e[j] - given->D_gained * left) -
+                    given->C * q[j] - given->C_gained * q[j - 1]) /
+                   (j + 1);
         force = -(given->S * q[j]) / (j + 1);
+        if (j == 1) force += given->pulled_gained;
     }
 }
