@@ -6,8 +6,7 @@ xarray itself takes half a second to import, so it is waited for.
 from __future__ import annotations
 
 import sys
-from importlib.machinery import ModuleSpec
-from importlib.util import find_spec
+from importlib.machinery import ModuleSpec, PathFinder
 from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
@@ -41,8 +40,7 @@ class _Waiting:
     def find_spec(self, name: str, path: Any = None, target: Any = None) -> ModuleSpec | None:
         if name != "xarray":
             return None
-        sys.meta_path.remove(self)
-        spec = find_spec(name)
+        spec = PathFinder.find_spec(name)
         if spec is not None and spec.loader is not None:
             execute = spec.loader.exec_module
 

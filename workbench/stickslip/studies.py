@@ -10,14 +10,17 @@ from typing import TYPE_CHECKING, Unpack
 from stickslip.parameters import Parameters, above_zero
 from stickslip_design.chunks import Computing, Results, run
 from stickslip_design.maps.study import computed, study_of
-from stickslip_design.sweeps.study import sweep as sweep
-from stickslip_design.tolerances.study import scatter as scatter
 
 if TYPE_CHECKING:
     import xarray
 
+    from stickslip_design import scatter as scatter
+    from stickslip_design import sweep as sweep
     from stickslip_design.axis import AxisSource
     from stickslip_design.maps.study import GridStudy
+else:
+    # What a map does not need takes half a second to import.
+    from stickslip_design import __getattr__  # noqa: F401 - of this module
 
 
 def map(  # noqa: A001 - the name of the command

@@ -10,6 +10,7 @@ import warnings
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from hashlib import sha256
+from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final, NamedTuple
 
@@ -195,16 +196,19 @@ def computed(
     compute: Callable[[GridStudy, str | None], Results],
 ) -> xarray.Dataset:
     """Return the dataset of a study that `compute` computes, given the folder of its chunks."""
-    need("xarray")
+    # Points do not wait for their import, a third of a second; without them none is computed.
+    for package in ("xarray", "zarr"):
+        if find_spec(package) is None:
+            need(package)
+    results = compute(study, None if folder is None else f"{folder}/{_CHUNKS}")
     zarr = need("zarr")
     # A store gives its arrays back in any order.
     names = [*(each.name for each in study.over), *study.source.columns]
     if folder is None:
         store = zarr.storage.MemoryStore()
-        _write(study, compute(study, None), store)
+        _write(study, results, store)
         return read_grid(store)[names].load()
     target = f"{folder}/{FILE}"
-    results = compute(study, f"{folder}/{_CHUNKS}")
     # A local dataset has its name when it is whole.
     local = "://" not in target
     place = f"{target}.part" if local else target
