@@ -210,19 +210,22 @@ def packed(chunk: Chunk, key: str, columns: Columns) -> bytes:
                 f"{chunk}: the column {name} has shape {column.shape} and type {column.dtype}; "
                 f"{chunk.points} numbers or texts are due"
             )
-    body = BytesIO()
-    body.write(json.dumps([key, chunk, list(columns)]).encode() + b"\n")
+    file = BytesIO()
+    file.write(bytes(_DIGEST) + json.dumps([key, chunk, list(columns)]).encode() + b"\n")
     for column in columns.values():
-        npy.write_array(body, column, allow_pickle=False)
-    return sha256(body.getbuffer()).digest() + body.getbuffer()
+        npy.write_array(file, column, allow_pickle=False)
+    digest = sha256(file.getbuffer()[_DIGEST:]).digest()
+    file.seek(0)
+    file.write(digest)
+    return file.getvalue()
 
 
 def unpacked(content: bytes, chunk: Chunk, key: str) -> Columns | None:
     """Return the columns of a chunk file; None if it is not whole or of another study."""
-    body = memoryview(content)[_DIGEST:]
-    if content[:_DIGEST] != sha256(body).digest():
+    if content[:_DIGEST] != sha256(memoryview(content)[_DIGEST:]).digest():
         return None
-    stream = BytesIO(body)
+    stream = BytesIO(content)
+    stream.seek(_DIGEST)
     of, points, names = json.loads(stream.readline())
     ours = (of, tuple(points)) == (key, chunk)
     return {name: npy.read_array(stream) for name in names} if ours else None

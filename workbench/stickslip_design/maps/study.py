@@ -34,8 +34,8 @@ from .sources import (
 if TYPE_CHECKING:
     import xarray
 
-SLAB: Final = 2**20
-"""Points that are read or written at a time: some 100 MB of columns, a chunk of the dataset."""
+SLAB: Final = 2**18
+"""Points that are read or written at a time: some 25 MB of columns, a chunk of the dataset."""
 
 
 class Box(NamedTuple):
