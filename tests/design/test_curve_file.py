@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from stickslip_design.curve_file import Curve, CurveError, read_curve
+from stickslip_design.axis.curve_file import Curve, CurveError, read_curve
 
 HEAD = "speed [m/s],mu\n0,0.4\n"
 

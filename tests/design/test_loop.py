@@ -11,8 +11,8 @@ from scipy import signal
 from threadpoolctl import threadpool_info, threadpool_limits
 
 from stickslip_design.axis import Axis, Filter, Friction
-from stickslip_design.critical import jumps_of, rigid_critical_feed
 from stickslip_design.loop import system as matrices
+from stickslip_design.loop.critical import jumps_of, rigid_critical_feed
 from stickslip_design.loop.jumps import limit_of_jumps
 from stickslip_design.loop.motion import Motion, Point, walk
 from stickslip_design.loop.rest import hunting, limit_from_rest

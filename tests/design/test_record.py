@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from stickslip_design.axis import Axis
-from stickslip_design.critical import jumps_of, record
+from stickslip_design.loop.critical import jumps_of, record
 from tests.design.axes import RIGID, SERVO
 
 

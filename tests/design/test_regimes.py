@@ -8,7 +8,7 @@ from scipy.integrate import quad
 from scipy.optimize import brentq
 
 from stickslip_design.axis import Axis, Demand, Drive, Friction
-from stickslip_design.critical import limits_of, regime_of
+from stickslip_design.loop.critical import limits_of, regime_of
 from stickslip_design.study import design
 from stickslip_ref import Parameters, Regime, Shape, regime
 

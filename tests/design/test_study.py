@@ -6,8 +6,8 @@ from dataclasses import replace
 import pytest
 
 from stickslip_design.axis import Axis, Friction, axis_file_of, example
-from stickslip_design.critical import critical_feed, jumps_of
 from stickslip_design.levers import BELOW, cured, levers
+from stickslip_design.loop.critical import critical_feed, jumps_of
 from stickslip_design.study import design
 from stickslip_design.verdict import Verdict
 from tests.design.axes import RIGID, SERVO, driven

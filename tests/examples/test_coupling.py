@@ -11,7 +11,7 @@ import pytest
 from numpy.typing import NDArray
 
 from examples.feed_axis.whole_loop import Trajectory, solve
-from stickslip_design.critical import jumps_of
+from stickslip_design.loop.critical import jumps_of
 from stickslip_design.loop.rest import hunting
 from stickslip_ref import Parameters, steady_cycle
 from tests.fmu.blocks import make_block

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from examples.feed_axis.whole_loop import solve
-from stickslip_design.critical import estimated_critical_feed
+from stickslip_design.loop.critical import estimated_critical_feed
 from stickslip_design.loop.jumps import limit_of_jumps
 from stickslip_design.loop.stability import swing
 

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from stickslip_design.axis import read_axis_file
-from stickslip_design.critical import regime_of
+from stickslip_design.loop.critical import regime_of
 from stickslip_design.loop.stability import is_stable
 from tests.judge.axes import Motion, Seen, Start, quantity, seen, steep
 from tests.judge.draws import axis, write

@@ -5,7 +5,7 @@ from typing import Any
 
 import pytest
 
-from stickslip_design.curve_file import read_curve
+from stickslip_design.axis.curve_file import read_curve
 from tests.page.test_friction import FALLS_TWICE
 from tests.page.window import Window
 

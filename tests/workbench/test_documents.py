@@ -13,7 +13,7 @@ import pytest
 from examples.feed_axis.system import Move, build_all
 from stickslip_design.axis import Axis, axis_file_of, example, read_axis_file
 from stickslip_design.axis.keys import KEYS
-from stickslip_design.critical import critical_feed
+from stickslip_design.loop.critical import critical_feed
 from stickslip_design.loop.rest import hunting
 from stickslip_design.report.tables import standing
 from stickslip_design.study import design

@@ -201,7 +201,7 @@ class Parameters:
             if self.normal_force is not None:
                 raise ParameterError("normal_force", " goes with a curve")
             return own
-        from stickslip_design.curve_file import CurveError, read_curve
+        from stickslip_design.axis.curve_file import CurveError, read_curve
 
         force = self.normal_force
         if force is not None:

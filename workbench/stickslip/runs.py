@@ -20,7 +20,7 @@ import stickslip_ref
 from fmi.table import Table, Variable
 from stickslip.parameters import ParameterError, Parameters, above_zero, quantity
 from stickslip.progress import deferred_interrupt
-from stickslip_design.curve_file import CURVE
+from stickslip_design.axis.curve_file import CURVE
 from stickslip_fmu.spec import TABLE
 from stickslip_verification import Event, Transition, drive, events_between, truth
 from stickslip_verification.truth import COULOMB_NAME

@@ -10,7 +10,7 @@ from typing import Final
 from scipy.optimize import brentq
 
 from .axis import Axis, Drive
-from .critical import (
+from .loop.critical import (
     critical_feed,
     damped,
     estimated_critical_feed,

@@ -10,7 +10,8 @@ from typing import Final
 from stickslip_ref import CriticalVelocity, merged, simplified
 
 from .axis import Axis, AxisFile, Number
-from .critical import (
+from .levers import BELOW, END, cured, cures
+from .loop.critical import (
     Record,
     critical_feed,
     estimated_critical_feed,
@@ -20,7 +21,6 @@ from .critical import (
     rigid_critical_feed,
     simplified_critical_feed,
 )
-from .levers import BELOW, END, cured, cures
 from .loop.jumps import Limit
 from .loop.rest import Hunting, hunting, limit_from_rest
 from .loop.stability import Response, gain_limits, is_stable, open_loop, swing

@@ -14,7 +14,7 @@ from stickslip_ref import EVEN, CriticalVelocity, Interval, Regime
 from stickslip_units import EXACT, number, per_minute, shown_in, told
 
 from .axis import Axis
-from .critical import Record
+from .loop.critical import Record
 from .loop.rest import Hunting
 from .loop.stability import GainLimits, Response, Swing, gain_limits
 

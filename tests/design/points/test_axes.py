@@ -9,7 +9,7 @@ from numpy.testing import assert_allclose, assert_array_equal
 from numpy.typing import NDArray
 
 from stickslip_design.axis import AxisError, axis_file_of, example
-from stickslip_design.critical import critical_feed, jumps_of
+from stickslip_design.loop.critical import critical_feed, jumps_of
 from stickslip_design.points.axes import axis_points
 from stickslip_design.points.columns import Regime
 from stickslip_ref import Parameters, critical_velocity

@@ -15,7 +15,7 @@ import numpy as np
 from stickslip_ref import Shape, friction_law
 from stickslip_units import QuantityError, parts_of
 
-from ..curve_file import Curve, CurveError, read_curve
+from .curve_file import Curve, CurveError, read_curve
 from .keys import BY_SECTION, SECTIONS, UNITS, Key, key_of
 from .model import Assumed, Axis, AxisError, Demand, Drive, Filter, Friction
 

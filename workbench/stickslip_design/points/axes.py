@@ -20,7 +20,7 @@ from stickslip_ref import coulomb_limit, critical_velocity, steady_cycle
 
 from ..axis import Axis, AxisError, AxisFile, Number
 from ..axis.keys import UNITS, key_of
-from ..critical import jumps_of, kind_beside, limits_of
+from ..loop.critical import jumps_of, kind_beside, limits_of
 from ..loop.jumps import limit_of_jumps
 from ..loop.stability import is_stable
 from .columns import WITHOUT_FEED, Regime

@@ -43,7 +43,7 @@ from pydantic.dataclasses import dataclass
 from stickslip_units import QuantityError, in_unit, typed
 from stickslip_verification.model.data_file import WRITTEN, DataError, DataFile, Written
 
-from ..curve_file import csv_lines
+from ..axis.curve_file import csv_lines
 from ..datasets import need
 from .model import Model, SweepError, Variable, nearest
 from .runs import FAILURE, REDUCTIONS, Sweep, column_of, reduces

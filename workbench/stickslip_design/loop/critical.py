@@ -23,12 +23,12 @@ from stickslip_ref import (
     steady_cycle,
 )
 
-from .axis import Axis
-from .loop.courses import jolted, jump_ranges, regime_in_loop
-from .loop.jumps import Limit, limit_of_jumps, loaded
-from .loop.motion import Motion, walk
-from .loop.stability import is_stable, swing, unstable_feeds
-from .loop.system import TABLE, Mode, System, line_at
+from ..axis import Axis
+from .courses import jolted, jump_ranges, regime_in_loop
+from .jumps import Limit, limit_of_jumps, loaded
+from .motion import Motion, walk
+from .stability import is_stable, swing, unstable_feeds
+from .system import TABLE, Mode, System, line_at
 
 _CYCLES: Final = 12
 """Cycles after which a jump under a law without a closed form is read."""
