@@ -46,7 +46,7 @@ def use(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
 
 MISDEEDS: dict[str, tuple[Limits, str | None]] = {
     "crash": (USUAL, r"the process crashed \(SIGSEGV\)"),
-    "hang": (USUAL, "no answer within 5 s; the process was ended"),
+    "hang": (USUAL, r"no answer within 5 s \(--time-limit\); the process was ended"),
     "discard": (USUAL, r"FmuError: DoesDiscard\.fmu: [^\n]*discarded[^\n]*"),
     "raise": (USUAL, r"FmuError: DoesRaise\.fmu: [^\n]*had enough[^\n]*"),
     "eat": (Limits(memory=0.5), r"FmuError: DoesEat\.fmu: fmi2DoStep[^\n]* failed[^\n]*"),

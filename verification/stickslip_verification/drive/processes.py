@@ -425,7 +425,7 @@ class Pool(contextlib.AbstractContextManager["Pool"]):
                 except LostError as lost:
                     task.answer, ends = Answer(failure=f"the process {lost}"), True
             elif task.seconds >= task.limit:
-                failure = f"no answer within {task.limit:g} s; the process was ended"
+                failure = f"no answer within {task.limit:g} s (--time-limit); the process was ended"
                 task.answer = Answer(failure=failure, late=True)
             else:
                 continue

@@ -359,7 +359,10 @@ def _model(
     most = f"Most in {worst.case or 'the FMU itself'} ({worst.check}): {why}."
     there = " and ".join(where) or "runs without an end"
     if all(each.late for each in made):
-        return f"The FMU does not answer in {there}; what it does there is not known. {most}"
+        return (
+            f"The FMU is too slow or hangs in {there}; what it does there is not known. Give it "
+            f"longer, by --time-limit, to tell a slow one from one that hangs. {most}"
+        )
     return f"The model is wrong in {there}. {most}"
 
 
