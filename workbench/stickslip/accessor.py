@@ -1,11 +1,12 @@
 """``dataset.stickslip``, for the datasets of xarray once stickslip is imported, before or after.
 
-xarray itself takes half a second to import, so it is waited for.
+xarray itself takes half a second to import, so it is waited for. And figures, in a notebook.
 """
 
 from __future__ import annotations
 
 import sys
+from importlib import import_module
 from importlib.machinery import ModuleSpec, PathFinder
 from types import ModuleType
 from typing import TYPE_CHECKING, Any
@@ -57,7 +58,14 @@ def _give(module: Any) -> None:
 
 
 def register() -> None:
-    """Give the datasets of xarray their `Accessor`, at once or as soon as it is imported."""
+    """Give the datasets of xarray their `Accessor`, at once or as soon as it is imported.
+
+    A notebook shows figures even where pyplot, which sees to that, is not imported.
+    """
+    if "IPython" in sys.modules and (shell := sys.modules["IPython"].get_ipython()) is not None:
+        draw = import_module("IPython.core.pylabtools").print_figure
+        formatter = shell.display_formatter.formatters["image/png"]
+        formatter.for_type_by_name("matplotlib.figure", "Figure", draw)
     if "xarray" in sys.modules:
         _give(sys.modules["xarray"])
     else:
