@@ -76,8 +76,10 @@ def test_block_reference_and_closed_form_give_one_cycle() -> None:
 
 @pytest.mark.parametrize("name", RESULTS)
 def test_a_result_shows_itself_in_few_lines_and_prints_nothing(
-    name: str, capfd: pytest.CaptureFixture[str]
+    name: str, capfd: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
+    # In a notebook rich would display a table, which the notebook then shows once more.
+    monkeypatch.setattr("rich.console._is_jupyter", lambda: True)
     shows_itself(RESULTS[name]())
     assert capfd.readouterr() == ("", "")
 
@@ -88,9 +90,7 @@ def shows_itself(result: Any) -> None:
     if isinstance(result, Shown):
         assert "<pre>" in result._repr_html_()
         json.loads(result.to_json())
-        drawn = result.plot()
-        assert drawn is not None
-        assert drawn.axes
+        assert getattr(result.plot(), "axes", None)
 
 
 @needs("studies")

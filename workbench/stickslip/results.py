@@ -39,7 +39,9 @@ class Shown(ABC):
     def _repr_html_(self) -> str:
         from rich.console import Console
 
-        console = Console(record=True, width=_WIDTH, file=io.StringIO(), markup=False)
+        console = Console(
+            record=True, width=_WIDTH, file=io.StringIO(), markup=False, force_jupyter=False
+        )
         console.print(self.table())
         return console.export_html(inline_styles=True, code_format="<pre>{code}</pre>")
 
