@@ -109,10 +109,10 @@ def test_a_run_and_a_map_carry_their_units() -> None:
 
 
 def test_an_axis_of_a_dictionary_is_that_of_the_file(tmp_path: Path) -> None:
-    file = tmp_path / "axis.toml"
-    file.write_text(WRITTEN, encoding="utf-8")
+    (file := tmp_path / "axis.toml").write_text(WRITTEN, encoding="utf-8")
     found = ss.design(AXIS)
-    assert found.verdict.sentence == ss.design(file).verdict.sentence
+    for same in (file, found.verdict.axis):
+        assert found.verdict.sentence == ss.design(same).verdict.sentence
     assert found.report(tmp_path / "axis.html").read_bytes().startswith(b"<!doctype html>")
 
 

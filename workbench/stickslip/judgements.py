@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from rich.console import RenderableType
 
     import stickslip_verification as suite
-    from stickslip_design.axis import AxisSource
+    from stickslip_design.axis import Axis, AxisSource
     from stickslip_design.verdict import Verdict as AxisVerdict
     from stickslip_score import Curve
     from stickslip_score import Score as CurveScore
@@ -251,20 +251,20 @@ class Design(Shown):
         return Path(file)
 
 
-def design(axis: AxisSource) -> Design:
+def design(axis: AxisSource | Axis) -> Design:
     """Return whether a feed axis judders, and what is measured against it.
 
     Parameters
     ----------
     axis
-        The axis file, or what it says as a dictionary of its tables; docs/axis-file.md.
+        The axis file, what it says as a dictionary of its tables, docs/axis-file.md; or an axis.
 
     Raises
     ------
     AxisError
         If the axis cannot be read; one line with key, value and range.
     """
-    from stickslip_design.axis import read_axis_file
+    from stickslip_design.axis import Axis, read_axis_file
     from stickslip_design.study import design as designed
 
-    return Design(designed(read_axis_file(axis)))
+    return Design(designed(axis if isinstance(axis, Axis) else read_axis_file(axis)))
