@@ -98,11 +98,11 @@ class Run(Samples, Shown):
         """Write the samples as a CSV file that fmpy reads; `option` names it in a refusal."""
         write(Path(target), csv_bytes(self.samples), option)
 
-    def write_plot(self, target: Path | str, option: str = "file") -> None:
-        """Draw into a .png, .svg or .pdf file; `option` names it in a refusal."""
+    def write_plot(self, target: Path | str) -> None:
+        """Draw into a .png, .svg or .pdf file."""
         from stickslip.show.plot import write_plot
 
-        write_plot(self, Path(target), option)
+        write_plot(self, Path(target))
 
 
 def simulate(

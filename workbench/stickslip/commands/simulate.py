@@ -52,7 +52,9 @@ def simulate(
     if output_file is not None:
         run.write_csv(output_file, "--output-file")
     if plot is not None:
-        run.write_plot(plot, "--plot")
+        from stickslip.show.plot import write_plot
+
+        write_plot(run, plot, "--plot")
         if run.hidden_events:
             say(
                 "warning: more than two events between two samples; the plot shows points only: "

@@ -113,7 +113,7 @@ def stick_phases(run: Run) -> list[tuple[float, float]]:
     return phases
 
 
-def write_plot(run: Run, target: Path, option: str) -> None:
+def write_plot(run: Run, target: Path, option: str = "file") -> None:
     """Draw `run` into `target`, which `option` named, whole or not at all; its suffix says how.
 
     `CommandError` if that is none of PNG, SVG and PDF, or the file cannot be written.
