@@ -16,6 +16,7 @@ from stickslip_design.sweeps.study import prepare, sweep
 from stickslip_ref import Parameters, steady_cycle
 from tests.conftest import built
 from tests.needs import needs
+from tests.python import python
 
 PLAN: dict[str, Any] = {
     "stop_time": 1.0, "step": 0.5, "time_limit": 5.0, "parameters": {"gain": 3.0},
@@ -67,11 +68,12 @@ def test_no_folder_is_left_of_fmus_whose_last_run_crashed(
     monkeypatch.setattr("tempfile.tempdir", str(tmp_path))
     assert results(troubled, planned(parameters={"trouble": [0, 2]}))["failure"][1]
     assert not list(tmp_path.glob("stickslip-fmu-*"))
+    # A program ends that has a sweep to its end.
+    kept = f"kept = prepare({str(troubled)!r}, {PLAN})"
+    python("-c", f"from {prepare.__module__} import prepare\n{kept}\nkept.compute(0, 1)")
 
 
-def test_results_do_not_depend_on_chunks_and_a_crash_left_behind_is_no_failure(
-    troubled: Path,
-) -> None:
+def test_results_do_not_depend_on_chunks_nor_on_a_crash_left_behind(troubled: Path) -> None:
     # A run with the trouble 6 crashes of what another one left behind, and ends well on its own.
     plan = planned(parameters={"trouble": [0, 4, 6, 2], "gain": [0.1, 0.7]})
     expected = results(troubled, plan)

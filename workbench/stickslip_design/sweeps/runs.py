@@ -26,6 +26,7 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import pairwise
 from multiprocessing.connection import wait
+from multiprocessing.util import Finalize
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final, NamedTuple, TypeAlias
 
@@ -248,6 +249,8 @@ class Host:
             # end with their connection.
             multiprocessing.current_process()._config["daemon"] = False  # type: ignore[attr-defined]
             self._worker = Worker(*self._begin)
+            # A traceback may keep this object to the end, where Python waits for its processes.
+            Finalize(self, self._worker.connection.close, exitpriority=0)
         worker, reason = self._worker, "SIGALRM"
         self._worker = None
         try:
