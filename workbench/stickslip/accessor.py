@@ -58,10 +58,8 @@ def _give(module: Any) -> None:
 
 
 def register() -> None:
-    """Give the datasets of xarray their `Accessor`, at once or as soon as it is imported.
-
-    A notebook shows figures even where pyplot, which sees to that, is not imported.
-    """
+    """Give the datasets of xarray their `Accessor`, at once or as soon as it is imported."""
+    # Else a notebook shows a figure only where pyplot is imported.
     if "IPython" in sys.modules and (shell := sys.modules["IPython"].get_ipython()) is not None:
         draw = import_module("IPython.core.pylabtools").print_figure
         formatter = shell.display_formatter.formatters["image/png"]

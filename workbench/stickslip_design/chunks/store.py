@@ -214,9 +214,7 @@ def packed(chunk: Chunk, key: str, columns: Columns) -> bytes:
     file.write(bytes(_DIGEST) + json.dumps([key, chunk, list(columns)]).encode() + b"\n")
     for column in columns.values():
         npy.write_array(file, column, allow_pickle=False)
-    digest = sha256(file.getbuffer()[_DIGEST:]).digest()
-    file.seek(0)
-    file.write(digest)
+    file.getbuffer()[:_DIGEST] = sha256(file.getbuffer()[_DIGEST:]).digest()
     return file.getvalue()
 
 
