@@ -11,7 +11,6 @@ from stickslip.files import write
 from stickslip.parameters import ParameterError, Parameters, above_zero
 from stickslip.results import Shown
 from stickslip.show.tables import design_summary, score_table
-from stickslip.show.verdict import counts, verdict_summary
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -42,11 +41,15 @@ class FmuVerdict(Shown):
         return self.verdict.checks
 
     def __repr__(self) -> str:
+        from stickslip.show.verdict import counts
+
         answers = [question.answer for question in self.verdict.questions]
         return "\n".join([*answers, str(counts(self.verdict))])
 
     def table(self) -> RenderableType:
         """Return the summary, for rich."""
+        from stickslip.show.verdict import verdict_summary
+
         return verdict_summary(self.verdict, self.meanings)
 
     def to_dict(self) -> dict[str, Any]:
