@@ -406,9 +406,11 @@ class FmuFile(Description):
     parameters that it does not name at the FMU's start values; None for where the FMU promises
     them: its description names the exact contract, and no names differ.
 
-    `FmuError` if it is none for co-simulation by FMI 2.0 or 3.0 on this platform, if it has too
-    much to unpack, or a variable of ours that cannot be used, see `collect`.
+    `FmuError` if it has no `INTERFACE` by FMI 2.0 or 3.0 on this platform, if it has too much to
+    unpack, or a variable of ours that cannot be used, see `collect`.
     """
+
+    FACES: ClassVar[Mapping[str, type[FmuInstance]]] = FACES
 
     def __init__(
         self,
@@ -427,7 +429,7 @@ class FmuFile(Description):
         if fmpy.platform not in platforms:
             has = ", ".join(each for each in platforms if each != "c-code") or "no binary"
             raise FmuError(f"{path}: is not for this platform, {fmpy.platform}; it has {has}")
-        self._face = hooked(FACES[self.fmi_version], hooks)
+        self._face = hooked(self.FACES[self.fmi_version], hooks)
         self.variables: Mapping[str, Variable] = collect(path.name, self, self.names, UNITS)
 
         known = {variable.their_name for variable in self.variables.values()}
@@ -463,7 +465,7 @@ class FmuFile(Description):
 
     def __reduce__(self) -> tuple[type[FmuFile], tuple[Path, NameMap]]:
         """Pickle the path and the names: whoever reads it extracts the FMU anew."""
-        return FmuFile, (self.path.absolute(), self.names)
+        return type(self), (self.path.absolute(), self.names)
 
     def instantiate(self) -> FmuInstance:
         """Make a new instance; `FmuError` if the FMU refuses."""

@@ -311,12 +311,14 @@ class Matched:
     """The honest solvers that an FMU is most like, ``solver`` the most.
 
     ``alike`` are all that are matched, with the deltas of the FMU over theirs; ``expected`` is the
-    largest delta that they have in each case times these factors.
+    largest delta that they have in each case times these factors. ``adapts``: the steps of the FMU
+    are adapted to the motion, so that no two runs have the same.
     """
 
     solver: str
     expected: Mapping[str, float]
     alike: Mapping[str, float]
+    adapts: bool = False
 
 
 def matched(deltas: Mapping[str, float], family: Mapping[str, Mapping[str, float]]) -> Matched:

@@ -41,12 +41,14 @@ class Contract:
     ``interface``: it promises the interface, so that its own start values are tried, and a missing
     output is a failure and not a feature that it lacks. ``exact``: it is held to the tolerances of
     the exact block, not to those of a numerical solution. ``contract``: contract checks decide.
+    ``solved``: through model exchange, by the suite's solver.
     """
 
     side: str
     interface: bool = True
     exact: bool = True
     contract: bool = True
+    solved: bool = False
 
     @property
     def column(self) -> str:

@@ -59,9 +59,13 @@ AS_MUCH: Final = 10.0
 
 @dataclass(frozen=True)
 class Solution:
-    """The plain runs of an FMU in the cases that it can run, by id of the case."""
+    """The plain runs of an FMU in the cases that it can run, by id of the case.
+
+    ``solved``: through model exchange, by a solver that adapts its steps and locates events.
+    """
 
     plain: Mapping[str, Plain]
+    solved: bool = False
 
     @cached_property
     def like(self) -> accuracy.Matched:
@@ -72,9 +76,9 @@ class Solution:
             }
             for solver, of in load_family(SOLVERS).items()
         }
-        return accuracy.matched(
-            {case: plain.motion.delta for case, plain in self.plain.items()}, family
-        )
+        deltas = {case: plain.motion.delta for case, plain in self.plain.items()}
+        like = accuracy.matched(deltas, family)
+        return replace(like, adapts=self.solved or SOLVERS[like.solver].rtol > 0.0)
 
     @cached_property
     def expected(self) -> Mapping[str, float]:
@@ -106,10 +110,12 @@ class Solution:
         return plain.ruler.deviation(SOLVERS[solver].run(plain.case)).delta
 
 
-def solution(baseline: Sequence[Baseline], plain: Mapping[str, Answer[Run]]) -> Solution:
+def solution(
+    baseline: Sequence[Baseline], plain: Mapping[str, Answer[Run]], contract: checks.Contract
+) -> Solution:
     """Return the runs in cases of physics whose truth is known."""
     known = (_plain(of, plain[of.case.id]) for of in baseline)
-    return Solution({of.case.id: of for of in known if of is not None})
+    return Solution({of.case.id: of for of in known if of is not None}, contract.solved)
 
 
 def _plain(baseline: Baseline, answer: Answer[Run]) -> Plain | None:
@@ -146,7 +152,7 @@ def compare_numerical(runs: Runs, solved: Solution) -> Iterator[CheckResult]:
 def _not_round(runs: Runs, solved: Solution) -> dict[tuple[str, str], CheckResult]:
     """Return the results, by case and run, of the few that are off by more than rounding."""
     rows: dict[tuple[str, str], CheckResult] = {}
-    if SOLVERS[solved.like.solver].rtol > 0.0:
+    if solved.like.adapts:
         return rows
     for run in runs.experiment.runs:
         if run.run not in ROUND:
@@ -213,7 +219,7 @@ def _judge(
     if manner == PLAIN:
         return _of_motion(empty, plain, like, expected)
     result = checks.same_run(empty, plain.run, answer.value, plain.ruler.band)
-    if result.passed or not (manner in OTHER_STEPS or SOLVERS[like.solver].rtol > 0.0):
+    if result.passed or not (manner in OTHER_STEPS or like.adapts):
         return result
     worst = plain.ruler.deviation(answer.value)
     allowed = max(AS_MUCH * plain.motion.delta, accuracy.STANDS_OUT * expected)
@@ -341,7 +347,7 @@ def compare(runs: Runs, *, reference: bool = True) -> Iterator[CheckResult]:
     """
     contract = runs.experiment.contract
     if contract.numerical:
-        yield from compare_numerical(runs, solution(runs.experiment.baseline, runs.plain))
+        yield from compare_numerical(runs, solution(runs.experiment.baseline, runs.plain, contract))
         return
     for baseline in runs.experiment.baseline:
         yield from _compare_case(runs, baseline, reference=reference)

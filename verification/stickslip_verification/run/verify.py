@@ -18,17 +18,19 @@ from datetime import UTC, datetime
 from functools import partial
 from importlib import metadata
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 from ..drive import processes
 from ..drive.description import FmuError, NameMap, content_digest
 from ..drive.environments import LONG_PROBES, OF_NUMERICAL
 from ..drive.exact import Exact
+from ..drive.exchange import HOW, SolvedFile
 from ..drive.instance import FmuFile, require
 from ..drive.masters import NotApplicableError, fitting, law_of, may_change, require_law, setting_of
 from ..judge import checks
 from ..model.verdict import (
     CheckResult,
+    ChosenContract,
     Detection,
     KillMatrix,
     Klass,
@@ -72,6 +74,7 @@ def detect(
     *,
     whole: bool = True,
     names: NameMap | None = None,
+    opener: type[FmuFile] = FmuFile,
     **limited: Any,
 ) -> KillMatrix:
     """Plant each fault in the FMU, verify the mutant, and collect the checks that it fails.
@@ -100,7 +103,7 @@ def detect(
 
         def pool_of(mutant: Mutant) -> processes.Pool:
             planted, own = plant(fmu, mutant, Path(folder)), experiment.contract.interface
-            opened = partial(FmuFile, planted, names, mutant.hooks, own_starts=own)
+            opened = partial(opener, planted, names, mutant.hooks, own_starts=own)
             return processes.Pool(1, TIME_LIMIT, opened, **limited)
 
         for row in threads.map(lambda each: _try(each, experiment, pool_of, whole), mutants):
@@ -211,12 +214,26 @@ LONGEST_OF_ANY = 60.0
 do not integrate, or are chosen by themselves."""
 
 
+ASKED = (
+    *("any-sequence", "mirror", "forces-scale", "time-scales", "shifted", "continued"),
+    *("parameters-in-any-order", "load-before-mass", "coefficients-in-any-order"),
+    *("mu_s-raised-after-clamp-motion", "early-start"),
+)
+"""Invariants of the model, which an FMU is asked for through model exchange too; the others are of
+communication steps, states, resets, or a time that has no room for the steps of a solver."""
+
+Interface = Literal["cs", "me"]
+OPENED: Mapping[Interface, type[FmuFile]] = {"cs": FmuFile, "me": SolvedFile}
+"""Files by the interface through which an FMU is judged: co-simulation, or model exchange."""
+
+
 def verify(
     fmu: Path,
     cases: Sequence[Case],
     progress: Progress = silent,
     *,
     names: NameMap | None = None,
+    interface: Interface = "cs",
     contract: checks.Wanted | None = None,
     strict: bool = False,
     jobs: int | None = None,
@@ -231,7 +248,7 @@ def verify(
     full: bool = False,
     command: str | None = None,
 ) -> Verdict:
-    """Judge an FMU, 2.0 or 3.0 for co-simulation, and the reference.
+    """Judge an FMU, 2.0 or 3.0, and the reference.
 
     The FMU runs in processes of its own, so a script that calls this needs the guard ``if __name__
     == "__main__"``. `names` are our names to its, `cases` are tried as far as they are of its
@@ -254,8 +271,9 @@ def verify(
     needs, or has no source for the faults; whatever else is wrong with the FMU is a failed check.
     `MutantError` if no fault is of the FMU's friction law, or no case is short enough.
     """
-    _try_to_open(fmu, names, time_limit, limits)
-    with closing(FmuFile(fmu, names)) as file:
+    opener = OPENED[interface]
+    _try_to_open(partial(opener, fmu, names), fmu, time_limit, limits)
+    with closing(opener(fmu, names)) as file:
         require(file)
         cases = fitting(file, cases)
         for case in cases:
@@ -263,6 +281,8 @@ def verify(
         law = law_of(file)
         mutants = _plantable(fmu, mutants, law)
         chosen = checks.chosen_contract(file, contract, strict=strict)
+        if interface == "me":
+            chosen = ChosenContract("physics", HOW)
         file.look_for(COULOMB.parameters, optional=True)
         grows = all(file.has(each.name) for each in COULOMB.parameters)
         origin = provenance(file, command)
@@ -275,7 +295,7 @@ def verify(
             frozenset(name for name in START_VALUES if file.has(name)),
             frozenset(name for name in CHANGEABLE if file.has(name) and may_change(file, name)),
         )
-    held_to = checks.CONTRACTS[chosen.name]
+    held_to = replace(checks.CONTRACTS[chosen.name], solved=interface == "me")
     if held_to.numerical:
         cases = [case for case in cases if _of_any(case)] or cases
         if not full:
@@ -288,6 +308,8 @@ def verify(
         invariants = replace(invariants, residuals=[], agreements=[])
     else:
         invariants = _without(invariants, OF_NUMERICAL)
+    if held_to.solved:
+        invariants = invariants.only(ASKED)
     tried = of_faults = invariants
     if not long_probes:
         foretold = {check for mutant in mutants for check in mutant.detected_by}
@@ -311,10 +333,10 @@ def verify(
             of_sequences[n] = replace(case, parameters=parameters, steps=steps)
     random = random_tests(of_sequences, invariants.sequences, jobs, numerical=held_to.numerical)
     experiment = Experiment(baseline, tried, held_to, random)
-    opened = partial(FmuFile, fmu, names, own_starts=held_to.interface)
+    opened = partial(opener, fmu, names, own_starts=held_to.interface)
     limited: dict[str, Any] = {"fresh": file.once_per_process, "limits": limits}
     quick = held_to.numerical and not full
-    enough = (lambda plain: solution(baseline, plain).certain) if quick else None
+    enough = (lambda plain: solution(baseline, plain, held_to).certain) if quick else None
     with processes.Pool(jobs, time_limit, opened, **limited) as pool:
         runs = run_all(pool, experiment, progress, enough)
     with processes.Pool(1, time_limit, opened, **limited | {"fresh": True}) as pool:
@@ -322,12 +344,12 @@ def verify(
     kills = None
     if mutants:
         experiment = replace(experiment, invariants=of_faults)
-        how = limited | {"names": names, "whole": whole_matrix}
+        how = limited | {"names": names, "opener": opener, "whole": whole_matrix}
         kills = detect(fmu, mutants, experiment, jobs, progress, **how)
     tables: list[Table] = []
     answered: list[Question] = []
     if held_to.numerical:
-        solved = solution(baseline, runs.plain)
+        solved = solution(baseline, runs.plain, held_to)
         results = list(compare_numerical(runs, solved))
         answered, errors = questions(solved, results, runs, within or WITHIN)
         tables.append(errors)
@@ -387,12 +409,12 @@ def _without(
 
 
 def _try_to_open(
-    fmu: Path, names: NameMap | None, time_limit: float, limits: processes.Limits
+    opens: Callable[[], FmuFile], fmu: Path, time_limit: float, limits: processes.Limits
 ) -> None:
     """Refuse an FMU whose description cannot be read within limits: here there are none."""
     time_limit = max(time_limit, processes.TIME_LIMIT)
     limits = processes.Limits(2.0 * time_limit, limits.memory)
-    with processes.Pool(1, time_limit, partial(FmuFile, fmu, names), limits=limits) as pool:
+    with processes.Pool(1, time_limit, opens, limits=limits) as pool:
         (opened,) = pool.each(processes.open_fmu, [()])
     # What `FmuFile` refuses, it refuses here too.
     if opened.failure is not None and not opened.failure.startswith(FmuError.__name__):
