@@ -97,8 +97,8 @@ def verify(
     progress
         Called with what is being done, how much of it is done, and out of how much.
     options
-        As of `stickslip_verification.verify`: ``contract``, ``strict``, ``jobs``, ``time_limit``,
-        ``limits``, ``seed``, ``full``, ``command``.
+        As of `stickslip_verification.verify`: ``interface`` (``"me"``: solved), ``contract``,
+        ``strict``, ``jobs``, ``time_limit``, ``limits``, ``seed``, ``full``, ``command``.
 
     Raises
     ------

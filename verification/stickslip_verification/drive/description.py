@@ -14,7 +14,7 @@ from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass, field
 from operator import attrgetter
 from pathlib import Path
-from typing import Annotated, Any, ClassVar, Final, Literal, TypeAlias
+from typing import Annotated, Any, Final, Literal, TypeAlias
 
 import fmpy
 import fmpy.model_description
@@ -165,21 +165,18 @@ class StatedContract:
 
 
 class Description:
-    """What the model description of an FMU says; `FmuError` for what has no such `INTERFACE`.
+    """What the model description of an FMU says; `FmuError` if it is none of this kind of `KINDS`.
 
-    ``sizes`` are the numbers of its continuous states and event indicators,
-    ``token`` is its guid or instantiation token, ``declared`` its variables by its own names,
-    ``units`` those that it defines by SI base units, ``experiment`` start, stop and step of its
-    default experiment [s] as they are spelled, where it has them, ``problems`` what it breaks of
-    the FMI standard, if it can be read all the same, ``stated`` the contract that it names.
+    ``sizes`` are the numbers of its continuous states and event indicators, ``token`` is its guid
+    or instantiation token, ``declared`` its variables by its own names, ``units`` those that it
+    defines by SI base units, ``experiment`` start, stop and step of its default experiment [s] as
+    they are spelled, where it has them, ``problems`` what it breaks of the FMI standard, if it can
+    be read all the same, ``stated`` the contract that it names.
     """
 
-    INTERFACE: ClassVar[str] = "CoSimulation"
-
-    def __init__(self, path: Path) -> None:
-        root, read, self.problems = _read(path, self.INTERFACE)
-        tag, experiment = self.INTERFACE, read.defaultExperiment
-        interface = getattr(read, tag[0].lower() + tag[1:])
+    def __init__(self, path: Path, kind: str = "CoSimulation") -> None:
+        root, read, self.problems = _read(path, kind)
+        experiment, interface = read.defaultExperiment, getattr(read, kind[0].lower() + kind[1:])
         self.sizes = (read.numberOfContinuousStates, read.numberOfEventIndicators)
         self.fmi_version: str = read.fmiVersion[:3]
         self.token: str = read.guid
@@ -229,7 +226,7 @@ def shown(variable: Declared) -> str:
     return f"{variable.name}{unit}{f' ({text})' if text else ''}"
 
 
-def _read(path: Path, interface: str) -> tuple[ElementTree.Element, Any, tuple[str, ...]]:
+def _read(path: Path, kind: str) -> tuple[ElementTree.Element, Any, tuple[str, ...]]:
     """Return the root of a model description, FMPy's record of it, and what it breaks of FMI."""
     if not path.exists():
         raise FmuError(f"{path}: no such file")
@@ -245,7 +242,7 @@ def _read(path: Path, interface: str) -> tuple[ElementTree.Element, Any, tuple[s
             with archive.open(DESCRIPTION) as stream:
                 # Without a number of bytes, zipfile unpacks more than the archive says.
                 root = ElementTree.fromstring(stream.read(MOST_DESCRIBED))
-        _check(path, root, interface)
+        _check(path, root, kind)
         try:
             read = fmpy.read_model_description(str(path))
         except fmpy.model_description.ValidationError as error:
@@ -264,16 +261,17 @@ def _read(path: Path, interface: str) -> tuple[ElementTree.Element, Any, tuple[s
     return root, read, problems
 
 
-def _check(path: Path, root: ElementTree.Element, interface: str) -> None:
+def _check(path: Path, root: ElementTree.Element, kind: str) -> None:
     version = root.get("fmiVersion")
     if root.tag != "fmiModelDescription" or version is None:
         raise FmuError(f"{path}: not an FMU ({DESCRIPTION} is no model description)")
     if version[:3] not in VERSIONS:
         raise FmuError(f"{path}: is FMI {version}; this suite drives FMI 2.0 and 3.0")
-    if root.find(interface) is None:
+    if root.find(kind) is None:
         others = [text for tag, text in KINDS.items() if root.find(tag) is not None]
         has = f", only {' and '.join(others)}" if others else ""
-        raise FmuError(f"{path}: has no {KINDS[interface]} interface{has}")
+        has += "; --interface me drives that" if KINDS["ModelExchange"] in others else ""
+        raise FmuError(f"{path}: has no {KINDS[kind]} interface{has}")
 
 
 def stated_contract(root: ElementTree.Element) -> StatedContract:

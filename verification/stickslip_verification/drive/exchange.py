@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from typing import Any, ClassVar, Final
+from typing import Any, ClassVar, Final, Literal
 
 import fmpy.fmi1
 import fmpy.fmi2
@@ -33,9 +33,12 @@ _ROUNDING: Final = 2.0**-51  # part of the time that is too short for CVode
 
 
 class _Solver(CVodeSolver):  # type: ignore[misc]
-    """FMPy's solver, but for refused calls, of which it does not hear, and new nominal values."""
+    """FMPy's solver, which would not hear of refused calls and of new nominal values."""
 
     refusal: Exception | None = None
+
+    def ehfun(self, line: int, function: bytes, file: bytes, text: bytes, *_: Any) -> None:
+        self.refusal = self.refusal or RuntimeError(text.decode())
 
     def f(self, *arguments: Any) -> int:
         return self._tried(super().f, *arguments)
@@ -51,6 +54,7 @@ class _Solver(CVodeSolver):  # type: ignore[misc]
             return 1 if error.status == _DISCARD else -1
 
     def reset(self, time: float) -> None:
+        self.refusal = None
         super().reset(time)
         CVodeSVtolerances(self.cvode_mem, self.reltol, self.abstol)
 
@@ -59,15 +63,17 @@ class _Solver(CVodeSolver):  # type: ignore[misc]
 
 
 class SolvedInstance(FmuInstance):
-    """One instance that is solved; FMPy calls its functions ``RATES`` and ``UPDATE`` otherwise."""
+    """One instance that is solved. ``CALLS`` are what the versions of FMI name differently.
 
-    RATES: ClassVar[str]
-    UPDATE: ClassVar[str]
+    That are the functions of FMPy that return derivatives and update discrete states.
+    """
+
+    CALLS: ClassVar[tuple[str, str]]
 
     def __init__(self, fmu: FmuFile) -> None:
         self._sizes = fmu.sizes
         self._solver: _Solver | None = None
-        self._initialized = self._in_events = False
+        self._in_events: bool | None = None  # None before the end of the initialization
         self._now, self._due = 0.0, math.inf
         super().__init__(fmu)
 
@@ -79,20 +85,20 @@ class SolvedInstance(FmuInstance):
     def leave(self) -> None:
         """Leave initialization mode, and handle the events of the start."""
         super().leave()
-        self._initialized = self._in_events = True
+        self._in_events = True
         self._do(self._update)
 
     def reset(self) -> None:
         """Back to the state after instantiation."""
         super().reset()
-        self._solver, self._initialized, self._in_events = None, False, False
+        self._solver = self._in_events = None
 
     def writer(self, names: Sequence[str]) -> Callable[[Sequence[float]], None]:
-        """Return a function that sets these variables at once, in event mode once initialized."""
+        """Return a function that sets these variables at once, on the way in event mode."""
         write = super().writer(names)
 
         def written(values: Sequence[float]) -> None:
-            if names and self._initialized and not self._in_events:
+            if names and self._in_events is False:
                 self._do(self._enter_events)
             write(values)
 
@@ -106,8 +112,7 @@ class SolvedInstance(FmuInstance):
             raise
         except Exception as error:
             refusal = self._solver and self._solver.refusal
-            call = f"the solver, at t = {self._now!r} on the way to {time + h!r},"
-            raise self._failure(call, refusal or error) from None
+            raise self._failure(f"solving to t = {time + h!r}", refusal or error) from None
 
     def _solve(self, end: float) -> None:
         events = 0
@@ -125,29 +130,20 @@ class SolvedInstance(FmuInstance):
                 found, _, self._now = self._solver.step(begin, self._now)
             self._slave.setTime(self._now)
             wanted, ends = self._slave.completedIntegratorStep()
-            if found or wanted or ends or self._now >= self._due:
+            self._refuse(ends, "ends the simulation")
+            if found or wanted or self._now >= self._due:
                 events = 0 if self._now > begin else events + 1
-                self._go_on(not ends and events < _MOST_EVENTS)
+                self._refuse(events == _MOST_EVENTS, "has events without an end")
                 self._enter_events()
             elif self._now >= end:
                 return
 
     def _new_solver(self) -> _Solver:
-        fmu, (states, indicators) = self._slave, self._sizes
-        solver = _Solver(
-            nx=states,
-            nz=indicators,
-            get_x=fmu.getContinuousStates,
-            set_x=fmu.setContinuousStates,
-            get_dx=getattr(fmu, self.RATES),
-            get_z=fmu.getEventIndicators,
-            get_nominals=fmu.getNominalsOfContinuousStates,
-            set_time=fmu.setTime,
-            input=None,
-            startTime=self._now,
-            relativeTolerance=RTOL,
-            maxNumSteps=_MOST_STEPS,
-        )
+        names = ["getContinuousStates", "setContinuousStates", self.CALLS[0], "getEventIndicators"]
+        names += ["getNominalsOfContinuousStates", "setTime"]
+        calls = [getattr(self._slave, name) for name in names]
+        how = {"relativeTolerance": RTOL, "maxNumSteps": _MOST_STEPS}
+        solver = _Solver(*self._sizes, *calls, None, self._now, **how)
         solver.input = solver
         return solver
 
@@ -156,34 +152,37 @@ class SolvedInstance(FmuInstance):
         self._in_events = True
 
     def _update(self) -> None:
-        for count in range(_MOST_EVENTS + 1):
-            again, ends, _, _, told, time = getattr(self._slave, self.UPDATE)()
-            self._go_on(not ends and count < _MOST_EVENTS)
+        for _ in range(_MOST_EVENTS):
+            again, ends, *_, told, time = getattr(self._slave, self.CALLS[1])()
+            self._refuse(ends, "ends the simulation")
             if not again:
                 break
+        self._refuse(again, "updates its discrete states without an end")
         self._due = time if told else math.inf
 
-    def _go_on(self, may: bool) -> None:
-        if not may:
-            why = "it ends the simulation, or its events have no end"
-            raise FmuError(f"{self.file.path.name}: at t = {self._now!r} {why}")
+    def _refuse(self, so: bool, what: str) -> None:
+        if so:
+            raise FmuError(f"{self.file.path.name}: {what} at t = {self._now!r}")
 
 
 class Solved2(SolvedInstance, Fmi2Instance):
     """One instance of an FMU 2.0 that is solved."""
 
-    SLAVE, RATES, UPDATE = fmpy.fmi2.FMU2Model, "getDerivatives", "newDiscreteStates"
+    SLAVE, CALLS = fmpy.fmi2.FMU2Model, ("getDerivatives", "newDiscreteStates")
 
 
 class Solved3(SolvedInstance, Fmi3Instance):
     """One instance of an FMU 3.0 that is solved."""
 
-    SLAVE = fmpy.fmi3.FMU3Model
-    RATES, UPDATE = "getContinuousStateDerivatives", "updateDiscreteStates"
+    SLAVE, CALLS = fmpy.fmi3.FMU3Model, ("getContinuousStateDerivatives", "updateDiscreteStates")
 
 
 class SolvedFile(FmuFile):
     """An FMU that is driven through model exchange."""
 
-    INTERFACE = "ModelExchange"
-    FACES: ClassVar[Mapping[str, type[FmuInstance]]] = {"2.0": Solved2, "3.0": Solved3}
+    KIND, FACES = "ModelExchange", {"2.0": Solved2, "3.0": Solved3}
+
+
+Interface = Literal["cs", "me"]
+OPENED: Final[Mapping[Interface, type[FmuFile]]] = {"cs": FmuFile, "me": SolvedFile}
+"""Files by the interface through which an FMU is driven: co-simulation, or model exchange."""

@@ -406,10 +406,11 @@ class FmuFile(Description):
     parameters that it does not name at the FMU's start values; None for where the FMU promises
     them: its description names the exact contract, and no names differ.
 
-    `FmuError` if it has no `INTERFACE` by FMI 2.0 or 3.0 on this platform, if it has too much to
-    unpack, or a variable of ours that cannot be used, see `collect`.
+    `FmuError` if it is none of this `KIND` by FMI 2.0 or 3.0 on this platform, if it has too much
+    to unpack, or a variable of ours that cannot be used, see `collect`.
     """
 
+    KIND: ClassVar[str] = "CoSimulation"
     FACES: ClassVar[Mapping[str, type[FmuInstance]]] = FACES
 
     def __init__(
@@ -420,7 +421,7 @@ class FmuFile(Description):
         *,
         own_starts: bool | None = None,
     ) -> None:
-        super().__init__(path)
+        super().__init__(path, self.KIND)
         self.path = path
         self.names = NameMap() if names is None else names
         promised = self.stated.exact and not self.names.targets

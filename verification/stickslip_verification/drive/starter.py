@@ -14,7 +14,7 @@ import json
 import math
 import re
 import tomllib
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from functools import cache, partial
 from pathlib import Path
 from typing import Any, Final
@@ -43,6 +43,7 @@ from .description import (
     looks_like,
     shown,
 )
+from .exchange import OPENED, Interface
 from .instance import FLOATING, REQUIRED, FmuFile
 from .masters import CommunicationStep, Setting
 from .other_runs import reference_run, trial_run
@@ -101,17 +102,17 @@ _DIRECTED: Final = {each.name for each in PARAMETERS if each.directed} | {
 }
 
 
-def starter(fmu: Path) -> str:
+def starter(fmu: Path, interface: Interface = "cs") -> str:
     """Return the text of a names file of an FMU, which is run in a process of its own if it can be.
 
     It loads back with `load_names` where it has an entry at all, and the FMU opens with it.
     `FmuError` if it is none.
     """
-    description = Description(fmu)
+    description = Description(fmu, OPENED[interface].KIND)
     theirs, units = description.declared, description.units
     fitting = [_candidate(ours, each, units) for ours in UNITS for each in theirs.values()]
     scores = {v: _likeness(v.name, theirs[v.their_name]) for v in fitting if v}
-    seen = _tried(fmu, scores)
+    seen = _tried(partial(OPENED[interface], fmu), scores)
     scores = {v: s + _SEEN * (v in seen) for v, s in scores.items() if seen.get(v, s)}
     # Without gravity a normal force may be the whole of it, and is no load on top of m g.
     if not any(each.name == "g" for each in scores):
@@ -143,7 +144,7 @@ def starter(fmu: Path) -> str:
     return "\n".join(lines) + "\n"
 
 
-def _tried(fmu: Path, scores: Mapping[Variable, float]) -> dict[Variable, int]:
+def _tried(opener: Callable[..., FmuFile], scores: Mapping[Variable, float]) -> dict[Variable, int]:
     """Return with which sign a variable is ours by a trial run, or 0 if it is not.
 
     Tried are the likeliest parameters, and those that are likeliest without one of these. What
@@ -156,7 +157,7 @@ def _tried(fmu: Path, scores: Mapping[Variable, float]) -> dict[Variable, int]:
     }
     best, without = _assigned(likely)
     nothing = NameMap(dict.fromkeys(UNITS, Target(NOT_THERE)))
-    opened, limits = partial(FmuFile, fmu, nothing), processes.Limits(budget=20.0)
+    opened, limits = partial(opener, nothing), processes.Limits(budget=20.0)
     with processes.Pool(processes.jobs_here(), fmu=opened, limits=limits) as pool:
         return _Trial(pool, list(scores)).findings([best, *without.values()])
 

@@ -212,6 +212,9 @@ TOO_ROUGH: Final = 0.03  # delta in the middle case from which on nothing can be
 ROUGH_CYCLE: Final = 0.05
 """Error of jump or period in the middle case from which on nothing can be told."""
 
+SHARPER: Final = 0.1
+"""Part of both through model exchange: the solver is accurate, and what is so rough is the FMU."""
+
 MOST_ASKED: Final = 50.0  # above it [%] no error is one of the steps
 _EXACT: Final = 1e-11  # a solution whose middle delta is below this one is exact
 
@@ -280,7 +283,8 @@ def questions(
     failed = [each for each in results if each.failed]
     errors = cycle_errors(solved)
     cycle = max((of.middle for of in errors if of.quantity in ("jump", "period")), default=0.0)
-    rough = middle > TOO_ROUGH or cycle > ROUGH_CYCLE
+    sharper = SHARPER if solved.solved else 1.0
+    rough = max(middle / TOO_ROUGH, cycle / ROUGH_CYCLE) > sharper
     off = max(middle, cycle) if rough else 0.0
     right = not failed and wrong is None and not rough
     good = all(each.largest <= within for each in errors)
@@ -326,10 +330,14 @@ def _model(
     if not failed and not count:
         return "Nothing is known of the model: no case could be run."
     if not failed and off:
+        tells = "Smaller steps tell: what is left is no error of the steps."
+        if solved.solved:
+            tells = (
+                "The solver is not: events are found late or never, or nominal states are large."
+            )
         return (
             "It is too far off to tell a wrong model from a rough solver: by "
-            f"{_percent(off):g} % in the middle case. Smaller steps tell: what is left is no error "
-            "of the steps."
+            f"{_percent(off):g} % in the middle case. {tells}"
         )
     if not failed and count < FEW:
         return (
@@ -438,7 +446,8 @@ def _accuracy(
     asked = f"within the {_percent(within):g} % asked for"
     if outside:
         needed = math.ceil(1000.0 * max(each.largest for each in errors)) / 10.0
-        advice = f": take smaller steps, or --within {needed}%" if needed < MOST_ASKED else ""
+        finer = "state smaller nominal values" if solved.solved else "take smaller steps"
+        advice = f": {finer}, or --within {needed}%" if needed < MOST_ASKED else ""
         asked = f"not {asked} in {', '.join(outside)}{advice}"
     return (
         f"It is as accurate as {_class(solved.like, middle)}: {', '.join(said)}; {asked}. A fault "

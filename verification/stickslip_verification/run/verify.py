@@ -18,13 +18,13 @@ from datetime import UTC, datetime
 from functools import partial
 from importlib import metadata
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any
 
 from ..drive import processes
 from ..drive.description import FmuError, NameMap, content_digest
 from ..drive.environments import LONG_PROBES, OF_NUMERICAL
 from ..drive.exact import Exact
-from ..drive.exchange import HOW, SolvedFile
+from ..drive.exchange import HOW, OPENED, Interface
 from ..drive.instance import FmuFile, require
 from ..drive.masters import NotApplicableError, fitting, law_of, may_change, require_law, setting_of
 from ..judge import checks
@@ -217,14 +217,10 @@ do not integrate, or are chosen by themselves."""
 ASKED = (
     *("any-sequence", "mirror", "forces-scale", "time-scales", "shifted", "continued"),
     *("parameters-in-any-order", "load-before-mass", "coefficients-in-any-order"),
-    *("mu_s-raised-after-clamp-motion", "early-start"),
+    "mu_s-raised-after-clamp-motion",
 )
-"""Invariants of the model, which an FMU is asked for through model exchange too; the others are of
-communication steps, states, resets, or a time that has no room for the steps of a solver."""
-
-Interface = Literal["cs", "me"]
-OPENED: Mapping[Interface, type[FmuFile]] = {"cs": FmuFile, "me": SolvedFile}
-"""Files by the interface through which an FMU is judged: co-simulation, or model exchange."""
+"""Invariants that are asked through model exchange too: those of the model. The others are about
+communication steps, states and resets, or expect the same steps of a solver."""
 
 
 def verify(
@@ -253,7 +249,8 @@ def verify(
     The FMU runs in processes of its own, so a script that calls this needs the guard ``if __name__
     == "__main__"``. `names` are our names to its, `cases` are tried as far as they are of its
     friction law, `progress` is called with what is being done, how much of it is done, and out of
-    how much. For `contract` and `strict` see `chosen_contract`. `jobs` processes may work at once,
+    how much. For `contract` and `strict` see `chosen_contract`; through model exchange the contract
+    is that of physics, and `ASKED` is asked. `jobs` processes may work at once,
     None for one per processor. The FMU may take `time_limit` seconds for one run of a case, and
     `limits`.
 
@@ -271,6 +268,8 @@ def verify(
     needs, or has no source for the faults; whatever else is wrong with the FMU is a failed check.
     `MutantError` if no fault is of the FMU's friction law, or no case is short enough.
     """
+    if interface == "me" and (strict or contract == "exact"):
+        raise ValueError("an FMU that is solved through model exchange meets the physics contract")
     opener = OPENED[interface]
     _try_to_open(partial(opener, fmu, names), fmu, time_limit, limits)
     with closing(opener(fmu, names)) as file:

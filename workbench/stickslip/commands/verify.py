@@ -36,6 +36,7 @@ def verify(
     fmu: Path | None = None,
     law: str = COULOMB,
     names: Path | None = None,
+    interface: Literal["cs", "me"] = "cs",
     contract: Literal["exact", "physics"] | None = None,
     strict: bool = False,
     cases: str | None = None,
@@ -67,11 +68,16 @@ def verify(
             raise CommandError(f"{option} {seconds!r}: must be above 0 s and finite")
     if not LEAST_MEMORY <= memory < math.inf:
         raise CommandError(f"--memory {memory!r}: must be {LEAST_MEMORY} GB at least and finite")
+    solved = interface == "me"
     there = "not a file" if fmu and fmu.exists() else "no such file"
     refusals = {
         f"--fmu {fmu}: {there}": fmu and not fmu.is_file(),
         "--law goes without --fmu: an FMU's variables say its friction law": fmu and law != COULOMB,
         "--names goes with --fmu: the default FMU has the standard names": names and not fmu,
+        "--interface me goes with --fmu: the default FMU has co-simulation alone": solved
+        and not fmu,
+        "--interface me goes with the physics contract: the FMU does not solve itself": solved
+        and (strict or pack or contract == "exact"),
         "--strict does not go with --contract": contract and strict,
         "--pack does not go with --contract": contract and pack,
         "--pack does not go with --names: only the exact block takes evidence": pack and names,
@@ -96,6 +102,7 @@ def verify(
             within=within,
             sequences=sequences,
             progress=progress,
+            interface=interface,
             contract=contract,
             strict=strict,
             jobs=jobs,
