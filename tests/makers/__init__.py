@@ -175,6 +175,38 @@ def numbers(fmu: Path) -> Path:
     return fmu
 
 
+_SOLVED = (*FIXED[:2], *TUNABLE, *FIXED[2:], *INPUTS, "x", "x_dot", "x_pull", "F", "F_friction")
+_TO_SOLVE = (
+    ("guid=", 'numberOfEventIndicators="1" guid='),
+    ("<CoSimulation[^>]*>", '<ModelExchange modelIdentifier="Solved"/>'),
+    *((rf'("der{n}".*?)<Real/>', rf'\1<Real derivative="{n}"/>') for n in range(13, 16)),
+    (
+        "</Outputs>",
+        "</Outputs><Derivatives>{}</Derivatives>".format(
+            "".join(f'<Unknown index="{n}"/>' for n in (18, 19, 20))
+        ),
+    ),
+)
+
+
+def solved(**macros: float) -> Path:
+    ours = Foreign("Solved")
+
+    def make(folder: Path) -> None:
+        rows = [Described(name, "", *ours._sort(name)) for name in _SOLVED]
+        rows += [Described(f"der{n}", "", "local") for n in range(13, 16)]
+        library = folder / f"Solved{fmpy.sharedLibraryExtension}"
+        given = [f"-D{name}={value!r}" for name, value in macros.items()]
+        source = HERE / "solved.c"
+        subprocess.run(["cc", "-shared", "-fPIC", *given, "-o", library, source, "-lm"], check=True)
+        with zipfile.ZipFile(folder / "Solved.fmu", "w") as archive:
+            archive.writestr(DESCRIPTION, edited(*_TO_SOLVE)(description("Solved", rows)))
+            archive.write(library, f"binaries/{fmpy.platform}/{library.name}")
+
+    name = "-".join(f"{name}{value}" for name, value in macros.items())
+    return made_once(f"solved-{name}", make) / "Solved.fmu"
+
+
 def altered(
     fmu: Path,
     to: Path,

@@ -1,7 +1,8 @@
 /* A foreign FMU 2.0 that the importer solves: a slider as people write it, without a meter.
 
    NOMINAL is the nominal value of its states, FRICTION a factor on friction in slip, CREEP a speed in
-   stick. It finds events by an indicator, by STEPS when one of the solver is over, or BLINDLY not. */
+   stick. It finds events by an indicator, by STEPS when one of the solver is over, or BLINDLY not.
+   STATUS is that of derivatives after 50 ms; it wants its states updated AGAIN, events BEHIND it. */
 #include <math.h>
 #include <stdlib.h>
 
@@ -19,6 +20,15 @@
 #endif
 #ifndef BLINDLY
 #define BLINDLY 0
+#endif
+#ifndef STATUS
+#define STATUS 0
+#endif
+#ifndef AGAIN
+#define AGAIN 0
+#endif
+#ifndef BEHIND
+#define BEHIND 0
 #endif
 
 /* As in the list of variables, then the states and their derivatives. */
@@ -83,6 +93,9 @@ int fmi2NewDiscreteStates(struct slider *it, int *info) {
     double *of = it->of;
     const double along = force(of) + of[F_EXT], most = hold(of);
     for (int i = 0; i < 5; i++) info[i] = 0;
+    info[0] = AGAIN;
+    info[4] = BEHIND;
+    ((double *)info)[3] = it->time - 1.0;
     if (it->mode && it->mode * of[X_DOT] <= 1e-11) {
         of[X_DOT] = 0.0;
         it->mode = 0;
@@ -125,7 +138,7 @@ int fmi2GetDerivatives(struct slider *it, double *dx, size_t n) {
     dx[0] = it->mode ? of[X_DOT] : CREEP;
     dx[1] = it->mode ? (force(of) + of[F_EXT] - friction(it)) / of[M] : 0.0;
     dx[2] = of[V];
-    return 0;
+    return it->time > 0.05 ? STATUS : 0;
 }
 
 int fmi2GetEventIndicators(struct slider *it, double *z, size_t n) {

@@ -128,7 +128,7 @@ def test_the_meter_of_an_adaptive_solver_goes_on_after_a_state_was_set_back(lost
     one, other = (changed(exact, x=exact.outputs["x"] + part) for part in (1e-9, 2e-9))
     t_slip = np.where(exact.times > 1.0, 1.5 * exact.outputs["t_slip"], exact.outputs["t_slip"])
     answer = Answer(changed(other, t_slip=t_slip) if lost else other)
-    like = Matched("RK45, 1e-06", {"default": 1e-6}, {"RK45, 1e-06": 1.0})
+    like = Matched("RK45, 1e-06", {"default": 1e-6}, {"RK45, 1e-06": 1.0}, adapts=True)
     empty = of_invariant(rollback, "default", PHYSICS_CONTRACT)
     plain = Plain(cases()["default"], ruler("default"), one)
     row = comparisons._judge(empty, "rollback", answer, plain, like, 1e-6)

@@ -1,7 +1,7 @@
 """The kill matrix: planted faults are detected by the foretold checks, and nothing else is."""
 
 from dataclasses import replace
-from functools import cache
+from functools import cache, partial
 from pathlib import Path
 from typing import Any
 
@@ -111,7 +111,8 @@ def test_a_fault_is_detected_by_a_foretold_check_or_survives_with_the_reason(
 @pytest.mark.gate
 def test_a_foreign_fmu_carries_faults_in_its_calls_alone() -> None:
     mutants = [fault(name) for name in ("unit-force-in-kgf", "output-x-pull-lags", "constant-g")]
-    judged: dict[str, Any] = {"contract": PHYSICS_CONTRACT, "names": SLIDER.names}
+    judged: dict[str, Any] = {"contract": PHYSICS_CONTRACT}
+    judged["opener"] = partial(FmuFile, names=SLIDER.names)
     honest, unit, lag, inside = tried(SLIDER.path, IN_ITS_CALLS, *mutants, **judged).rows
     assert (honest.failing, unit.caught, lag.caught) == ({}, True, True)
     assert "carries no packed source" in (inside.broken or "")

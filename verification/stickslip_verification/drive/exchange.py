@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
+from types import SimpleNamespace
 from typing import Any, ClassVar, Final, Literal
 
 import fmpy.fmi1
@@ -58,9 +59,6 @@ class _Solver(CVodeSolver):  # type: ignore[misc]
         super().reset(time)
         CVodeSVtolerances(self.cvode_mem, self.reltol, self.abstol)
 
-    def apply(self, _: float) -> None:
-        """Set no inputs: they are held from event to event."""
-
 
 class SolvedInstance(FmuInstance):
     """One instance that is solved. ``CALLS`` are what the versions of FMI name differently.
@@ -76,11 +74,6 @@ class SolvedInstance(FmuInstance):
         self._in_events: bool | None = None  # None before the end of the initialization
         self._now, self._due = 0.0, math.inf
         super().__init__(fmu)
-
-    def enter(self, start_time: float) -> None:
-        """Enter initialization mode, time beginning at `start_time` [s]."""
-        self._now = start_time
-        super().enter(start_time)
 
     def leave(self) -> None:
         """Leave initialization mode, and handle the events of the start."""
@@ -106,6 +99,7 @@ class SolvedInstance(FmuInstance):
 
     def step(self, time: float, h: float) -> None:
         """Solve from `time` [s] by `h` [s], through all events."""
+        self._now = self._now if self._solver else time
         try:
             self._solve(time + h)
         except FmuError:
@@ -143,9 +137,8 @@ class SolvedInstance(FmuInstance):
         names += ["getNominalsOfContinuousStates", "setTime"]
         calls = [getattr(self._slave, name) for name in names]
         how = {"relativeTolerance": RTOL, "maxNumSteps": _MOST_STEPS}
-        solver = _Solver(*self._sizes, *calls, None, self._now, **how)
-        solver.input = solver
-        return solver
+        held = SimpleNamespace(apply=lambda _: None)
+        return _Solver(*self._sizes, *calls, held, self._now, **how)
 
     def _enter_events(self) -> None:
         self._slave.enterEventMode()

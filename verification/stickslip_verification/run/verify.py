@@ -73,8 +73,7 @@ def detect(
     progress: Progress = silent,
     *,
     whole: bool = True,
-    names: NameMap | None = None,
-    opener: type[FmuFile] = FmuFile,
+    opener: Callable[..., FmuFile] = FmuFile,
     **limited: Any,
 ) -> KillMatrix:
     """Plant each fault in the FMU, verify the mutant, and collect the checks that it fails.
@@ -103,7 +102,7 @@ def detect(
 
         def pool_of(mutant: Mutant) -> processes.Pool:
             planted, own = plant(fmu, mutant, Path(folder)), experiment.contract.interface
-            opened = partial(opener, planted, names, mutant.hooks, own_starts=own)
+            opened = partial(opener, planted, hooks=mutant.hooks, own_starts=own)
             return processes.Pool(1, TIME_LIMIT, opened, **limited)
 
         for row in threads.map(lambda each: _try(each, experiment, pool_of, whole), mutants):
@@ -249,10 +248,9 @@ def verify(
     The FMU runs in processes of its own, so a script that calls this needs the guard ``if __name__
     == "__main__"``. `names` are our names to its, `cases` are tried as far as they are of its
     friction law, `progress` is called with what is being done, how much of it is done, and out of
-    how much. For `contract` and `strict` see `chosen_contract`; through model exchange the contract
-    is that of physics, and `ASKED` is asked. `jobs` processes may work at once,
-    None for one per processor. The FMU may take `time_limit` seconds for one run of a case, and
-    `limits`.
+    how much. For `contract` and `strict` see `chosen_contract`; it is that of physics, and `ASKED`
+    is asked, through model exchange. `jobs` processes may work at once, None for one per processor.
+    The FMU may take `time_limit` seconds for one run of a case, and `limits`.
 
     As many random `sequences` of a `seed` are tried as well; `suite.sequences.COUNT` fill the table
     of what can happen. Without `long_probes` the FMU does not meet those that take long: of memory,
@@ -270,9 +268,9 @@ def verify(
     """
     if interface == "me" and (strict or contract == "exact"):
         raise ValueError("an FMU that is solved through model exchange meets the physics contract")
-    opener = OPENED[interface]
-    _try_to_open(partial(opener, fmu, names), fmu, time_limit, limits)
-    with closing(opener(fmu, names)) as file:
+    opener = partial(OPENED[interface], names=names)
+    _try_to_open(opener, fmu, time_limit, limits)
+    with closing(opener(fmu)) as file:
         require(file)
         cases = fitting(file, cases)
         for case in cases:
@@ -332,7 +330,7 @@ def verify(
             of_sequences[n] = replace(case, parameters=parameters, steps=steps)
     random = random_tests(of_sequences, invariants.sequences, jobs, numerical=held_to.numerical)
     experiment = Experiment(baseline, tried, held_to, random)
-    opened = partial(opener, fmu, names, own_starts=held_to.interface)
+    opened = partial(opener, fmu, own_starts=held_to.interface)
     limited: dict[str, Any] = {"fresh": file.once_per_process, "limits": limits}
     quick = held_to.numerical and not full
     enough = (lambda plain: solution(baseline, plain, held_to).certain) if quick else None
@@ -343,7 +341,7 @@ def verify(
     kills = None
     if mutants:
         experiment = replace(experiment, invariants=of_faults)
-        how = limited | {"names": names, "opener": opener, "whole": whole_matrix}
+        how = limited | {"opener": opener, "whole": whole_matrix}
         kills = detect(fmu, mutants, experiment, jobs, progress, **how)
     tables: list[Table] = []
     answered: list[Question] = []
@@ -408,12 +406,12 @@ def _without(
 
 
 def _try_to_open(
-    opens: Callable[[], FmuFile], fmu: Path, time_limit: float, limits: processes.Limits
+    opener: Callable[..., FmuFile], fmu: Path, time_limit: float, limits: processes.Limits
 ) -> None:
     """Refuse an FMU whose description cannot be read within limits: here there are none."""
     time_limit = max(time_limit, processes.TIME_LIMIT)
     limits = processes.Limits(2.0 * time_limit, limits.memory)
-    with processes.Pool(1, time_limit, opens, limits=limits) as pool:
+    with processes.Pool(1, time_limit, partial(opener, fmu), limits=limits) as pool:
         (opened,) = pool.each(processes.open_fmu, [()])
     # What `FmuFile` refuses, it refuses here too.
     if opened.failure is not None and not opened.failure.startswith(FmuError.__name__):
