@@ -166,45 +166,27 @@ def description(name: str, variables: Sequence[Described]) -> str:
     )
 
 
-def numbers(fmu: Path) -> Path:
-    library = fmu.with_suffix(fmpy.sharedLibraryExtension)
-    subprocess.run(["cc", "-shared", "-fPIC", "-o", library, HERE / "numbers.c"], check=True)
+def in_c(fmu: Path, **macros: float) -> Path:
+    library, source = fmu.with_suffix(fmpy.sharedLibraryExtension), HERE / fmu.stem.lower()
+    given = [f"-D{name}={value}" for name, value in macros.items()]
+    given += ["-shared", "-fPIC", f"{source}.c", "-lm", "-o"]
+    subprocess.run(["cc", *given, library], check=True)
     with zipfile.ZipFile(fmu, "w") as archive:
-        archive.write(HERE / "numbers.xml", DESCRIPTION)
-        archive.write(library, f"binaries/{fmpy.platform_tuple}/{library.name}")
+        archive.write(f"{source}.xml", DESCRIPTION)
+        for platform in (fmpy.platform, fmpy.platform_tuple):
+            archive.write(library, f"binaries/{platform}/{library.name}")
     return fmu
 
 
-_SOLVED = (*FIXED[:2], *TUNABLE, *FIXED[2:], *INPUTS, "x", "x_dot", "x_pull", "F", "F_friction")
-_TO_SOLVE = (
-    ("guid=", 'numberOfEventIndicators="1" guid='),
-    ("<CoSimulation[^>]*>", '<ModelExchange modelIdentifier="Solved"/>'),
-    *((rf'("der{n}".*?)<Real/>', rf'\1<Real derivative="{n}"/>') for n in range(13, 16)),
-    (
-        "</Outputs>",
-        "</Outputs><Derivatives>{}</Derivatives>".format(
-            "".join(f'<Unknown index="{n}"/>' for n in (18, 19, 20))
-        ),
-    ),
-)
+_MACROS = {"NOMINAL": 1.0, "FRICTION": 1.0, "CREEP": 0.0}
+_MACROS |= dict.fromkeys(("STEPS", "BLINDLY", "STATUS", "AGAIN", "BEHIND"), 0)
 
 
 def solved(**macros: float) -> Path:
-    ours = Foreign("Solved")
-
     def make(folder: Path) -> None:
-        rows = [Described(name, "", *ours._sort(name)) for name in _SOLVED]
-        rows += [Described(f"der{n}", "", "local") for n in range(13, 16)]
-        library = folder / f"Solved{fmpy.sharedLibraryExtension}"
-        given = [f"-D{name}={value!r}" for name, value in macros.items()]
-        source = HERE / "solved.c"
-        subprocess.run(["cc", "-shared", "-fPIC", *given, "-o", library, source, "-lm"], check=True)
-        with zipfile.ZipFile(folder / "Solved.fmu", "w") as archive:
-            archive.writestr(DESCRIPTION, edited(*_TO_SOLVE)(description("Solved", rows)))
-            archive.write(library, f"binaries/{fmpy.platform}/{library.name}")
+        in_c(folder / "Solved.fmu", **_MACROS | macros)
 
-    name = "-".join(f"{name}{value}" for name, value in macros.items())
-    return made_once(f"solved-{name}", make) / "Solved.fmu"
+    return made_once(f"solved-{macros}", make) / "Solved.fmu"
 
 
 def altered(

@@ -6,31 +6,6 @@
 #include <math.h>
 #include <stdlib.h>
 
-#ifndef NOMINAL
-#define NOMINAL 1.0
-#endif
-#ifndef FRICTION
-#define FRICTION 1.0
-#endif
-#ifndef CREEP
-#define CREEP 0.0
-#endif
-#ifndef STEPS
-#define STEPS 0
-#endif
-#ifndef BLINDLY
-#define BLINDLY 0
-#endif
-#ifndef STATUS
-#define STATUS 0
-#endif
-#ifndef AGAIN
-#define AGAIN 0
-#endif
-#ifndef BEHIND
-#define BEHIND 0
-#endif
-
 /* As in the list of variables, then the states and their derivatives. */
 enum { M, G, K, C, MU_S, MU_K, X_START, X_DOT_START, Z_START, V, LOAD, F_EXT, X, X_DOT, X_PULL, F,
        FRICTION_FORCE, ALL };

@@ -11,7 +11,7 @@ import pytest
 from stickslip_verification import FmuError, truth
 from stickslip_verification.drive import CommunicationStep, FmuFile, Setting, run
 from stickslip_verification.drive.instance import FmuInstance
-from tests.makers import RENAMED, SLIDER, SLIDER_3, Foreign, altered, edited, misbehaving, numbers
+from tests.makers import RENAMED, SLIDER, SLIDER_3, Foreign, altered, edited, in_c, misbehaving
 from tests.needs import needs
 from tests.python import python
 
@@ -135,7 +135,7 @@ NUMBERS = {
 
 @needs("cc")
 def test_a_number_of_any_type_of_fmi_3_is_taken_and_given_back(tmp_path: Path) -> None:
-    file = FmuFile(numbers(tmp_path / "Numbers.fmu"))
+    file = FmuFile(in_c(tmp_path / "Numbers.fmu"))
     sizes = [f"{kind}{size}" for kind in ("Int", "UInt") for size in (8, 16, 32, 64)]
     kinds = {*sizes, "Float32", "Float64", "Boolean", "Enumeration"}
     assert {variable.kind for variable in file.variables.values()} == kinds
