@@ -18,6 +18,7 @@ from pydantic import TypeAdapter
 from .drive.description import FmuError
 from .drive.environments import PROBES
 from .drive.exact import Exact, exact_motion, kept, spreads
+from .drive.exchange import OPENED
 from .drive.other_runs import RUNS
 from .drive.solvers import SOLVERS
 from .judge.accuracy import DIVERGED, Ruler
@@ -202,6 +203,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
     tried.add_argument("fault", nargs="?", default="*", help="pattern of their ids, or FILE.toml")
     tried.add_argument("--whole", action="store_true", help="on every check, not the named ones")
     tried.add_argument("--cases", metavar="PATTERN", help="on these cases, without sequences")
+    tried.add_argument(
+        "--interface", choices=OPENED, default="cs", help="co-simulation, model exchange"
+    )
     tried.add_argument("--jobs", type=int, help="parallel processes; default: one per processor")
     tried.add_argument("-o", dest="output", type=Path, metavar="DIR", help="folder of the report")
     chosen = parser.parse_args(arguments)
@@ -230,6 +234,7 @@ def _planted(chosen: argparse.Namespace) -> Verdict:
     verdict = verify(
         chosen.fmu,
         cases,
+        interface=chosen.interface,
         jobs=chosen.jobs,
         sequences=0 if chosen.cases else COUNT,
         long_probes=not chosen.cases,
