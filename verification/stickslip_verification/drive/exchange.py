@@ -8,7 +8,7 @@ communication step and the time of an event, and the states are interpolated the
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from types import SimpleNamespace
 from typing import Any, ClassVar, Final, Literal
 
@@ -61,10 +61,7 @@ class _Solver(CVodeSolver):  # type: ignore[misc]
 
 
 class SolvedInstance(FmuInstance):
-    """One instance that is solved. ``CALLS`` are what the versions of FMI name differently.
-
-    That are the functions of FMPy that return derivatives and update discrete states.
-    """
+    """One instance that is solved; ``CALLS`` of FMPy give derivatives, update discrete states."""
 
     CALLS: ClassVar[tuple[str, str]]
 
@@ -86,16 +83,11 @@ class SolvedInstance(FmuInstance):
         super().reset()
         self._solver = self._in_events = None
 
-    def writer(self, names: Sequence[str]) -> Callable[[Sequence[float]], None]:
-        """Return a function that sets these variables at once, on the way in event mode."""
-        write = super().writer(names)
-
-        def written(values: Sequence[float]) -> None:
-            if names and self._in_events is False:
-                self._do(self._enter_events)
-            write(values)
-
-        return written
+    def set(self, values: Mapping[str, float]) -> None:
+        """Set variables by name, on the way in event mode."""
+        if values and self._in_events is False:
+            self._do(self._enter_events)
+        super().set(values)
 
     def step(self, time: float, h: float) -> None:
         """Solve from `time` [s] by `h` [s], through all events."""
