@@ -3,11 +3,15 @@
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 
 from stickslip_verification import Verdict, load_cases, load_mutants, starter, verify
-from stickslip_verification.drive.exchange import HOW
-from tests.conftest import built
+from stickslip_verification.drive.exchange import HOW, OPENED, RTOL
+from stickslip_verification.drive.masters import run_case
+from stickslip_verification.suite import sequences as drawing
+from stickslip_verification.truth.parameters import CHANGEABLE, START_VALUES
+from tests.conftest import Sized, built
 from tests.makers import solved
 from tests.needs import needs
 
@@ -52,6 +56,19 @@ def test_a_rough_block_is_right_and_a_wrong_one_is_not(
     assert (right.good, verdict.passed) == (good, False), right
     texts = [each.answer for each in verdict.questions]
     assert said in " ".join([*texts, *(each.failure or "" for each in verdict.checks)])
+
+
+@pytest.mark.parametrize("law", ["coulomb", "stribeck"])
+def test_solved_and_stepped_a_random_motion_is_the_same(law: str, sized: Sized) -> None:
+    stepping, solving = (kind(built("native-3", law), own_starts=False) for kind in OPENED.values())
+    every = drawing.Scope(frozenset(START_VALUES), frozenset(CHANGEABLE))
+    cases = [each.case for each in drawing.draw_sequences(1, sized(320), every)]
+    others = drawing.with_dwell(cases, 1) if law == "coulomb" else ()
+    for case in (*cases, *others) if others else drawing.under_law(cases, law, 1):
+        got, expected = (run_case(file, case).outputs for file in (solving, stepping))
+        assert got["n_slips"].tolist() == expected["n_slips"].tolist(), case.id
+        scale = max(np.abs(expected[name]).max() for name in ("x", "z", "x_pull"))
+        assert np.abs(got["x"] - expected["x"]).max() <= 300.0 * RTOL * scale, case.id
 
 
 def test_a_planted_fault_is_found() -> None:
