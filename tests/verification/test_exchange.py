@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from stickslip_verification import Verdict, load_cases, load_mutants, starter, verify
+from stickslip_verification import FmuError, Verdict, load_cases, load_mutants, starter, verify
 from stickslip_verification.drive.exchange import HOW, OPENED, RTOL
 from stickslip_verification.drive.masters import run_case
 from stickslip_verification.suite import sequences as drawing
@@ -80,3 +80,9 @@ def test_a_planted_fault_is_found() -> None:
 def test_a_block_that_is_only_solved_has_a_names_file() -> None:
     names = starter(solved(), "me")
     assert all(f'\n{name} = "{name}"' in names for name in ("m", "mu_s", "v", "x", "F"))
+
+
+def test_where_fmpy_has_no_solver_that_is_said(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("stickslip_verification.drive.exchange.CVodeSolver", object)
+    with pytest.raises(FmuError, match="FMPy has no solver for "):
+        OPENED["me"](solved()).instantiate()

@@ -12,14 +12,19 @@ from collections.abc import Callable, Mapping
 from types import SimpleNamespace
 from typing import Any, ClassVar, Final, Literal
 
+import fmpy
 import fmpy.fmi1
 import fmpy.fmi2
 import fmpy.fmi3
-from fmpy.sundials import CVodeSolver
-from fmpy.sundials.cvode import CVodeSVtolerances
 
 from .description import FmuError
 from .instance import Fmi2Instance, Fmi3Instance, FmuFile, FmuInstance
+
+try:
+    from fmpy.sundials import CVodeSolver
+    from fmpy.sundials.cvode import CVodeSVtolerances
+except OSError:  # FMPy has the libraries of few platforms
+    CVodeSolver = object
 
 RTOL: Final = 1e-10
 """Relative tolerance of the solver; the absolute one of a state is this part of its nominal value.
@@ -66,6 +71,8 @@ class SolvedInstance(FmuInstance):
     CALLS: ClassVar[tuple[str, str]]
 
     def __init__(self, fmu: FmuFile) -> None:
+        if CVodeSolver is object:
+            raise FmuError(f"{fmu.path.name}: FMPy has no solver for {fmpy.platform_tuple}")
         self._sizes = fmu.sizes
         self._solver: _Solver | None = None
         self._in_events: bool | None = None  # None before the end of the initialization
