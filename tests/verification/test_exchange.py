@@ -26,10 +26,14 @@ def judged(fmu: Path, cases: str = FEW, **how: Any) -> Verdict:
 
 
 @pytest.mark.parametrize(
-    ("law", "cases", "drawn"), [("coulomb", FEW, 32), ("stribeck", MARCHED, 4)]
+    ("law", "cases", "drawn"),
+    [("coulomb", FEW, 32), ("stribeck", MARCHED, 4), ("coulomb of others", FEW, 32)],
 )
-def test_our_fmu_is_right_and_accurate_when_it_is_solved(law: str, cases: str, drawn: int) -> None:
-    verdict = judged(built("native-3", law), cases, sequences=drawn)
+def test_a_right_block_is_right_and_accurate_when_it_is_solved(
+    law: str, cases: str, drawn: int
+) -> None:
+    fmu = solved() if "others" in law else built("native-3", law)
+    verdict = judged(fmu, cases, sequences=drawn)
     assert verdict.passed, [each for each in verdict.checks if each.failed]
     assert (verdict.contract.name, verdict.contract.why) == ("physics", HOW)
 
@@ -37,7 +41,7 @@ def test_our_fmu_is_right_and_accurate_when_it_is_solved(law: str, cases: str, d
 @pytest.mark.parametrize(
     ("macro", "value", "good", "said"),
     [
-        ("NOMINAL", 1.0, True, "state smaller nominal values, or --within"),
+        ("NOMINAL", 1e3, True, "state smaller nominal values, or --within"),
         ("NOMINAL", 1e5, True, "state smaller nominal values, or --within"),
         ("FRICTION", 1.00001, False, "mu_k acts as if it were 0.001 % larger"),
         ("CREEP", 1e-5, False, "the mass moves in stick"),

@@ -28,9 +28,10 @@ except OSError:  # FMPy has the libraries of few platforms
 
 RTOL: Final = 1e-10
 """Relative tolerance of the solver; the absolute one of a state is this part of its nominal value.
-
-An FMU is asked to be within 1e-6: a slip of some hundred steps adds up to a hundred tolerances, and
-a stick after a shallow stop has another hundred."""
+A smaller one would never end where derivatives are noisy by 1e-5."""
+WITHIN: Final = 1e5 * RTOL
+"""Part that is asked for: some hundred steps of a slip add up to a hundred tolerances, and a stick
+after a shallow stop is a thousand times as sensitive, 1/lambda^2."""
 HOW: Final = f"model exchange, solved by FMPy's CVode at a tolerance of {RTOL:g}"
 _MOST_STEPS: Final = 100_000  # of the solver, in one communication step
 _MOST_EVENTS: Final = 100  # at one time, and updates of discrete states at one of them

@@ -20,11 +20,10 @@ from importlib import metadata
 from pathlib import Path
 from typing import Any
 
-from ..drive import processes
+from ..drive import exchange, processes
 from ..drive.description import FmuError, NameMap, content_digest
 from ..drive.environments import LONG_PROBES, OF_NUMERICAL
 from ..drive.exact import Exact
-from ..drive.exchange import HOW, OPENED, Interface
 from ..drive.instance import FmuFile, require
 from ..drive.masters import NotApplicableError, fitting, law_of, may_change, require_law, setting_of
 from ..judge import checks
@@ -216,7 +215,6 @@ do not integrate, or are chosen by themselves."""
 ASKED = (
     *("any-sequence", "mirror", "forces-scale", "time-scales", "shifted", "continued"),
     *("parameters-in-any-order", "load-before-mass", "coefficients-in-any-order"),
-    "mu_s-raised-after-clamp-motion",
 )
 """Invariants that are asked through model exchange too: those of the model. The others are about
 communication steps, states and resets, or expect the same steps of a solver."""
@@ -228,7 +226,7 @@ def verify(
     progress: Progress = silent,
     *,
     names: NameMap | None = None,
-    interface: Interface = "cs",
+    interface: exchange.Interface = "cs",
     contract: checks.Wanted | None = None,
     strict: bool = False,
     jobs: int | None = None,
@@ -268,7 +266,7 @@ def verify(
     """
     if interface == "me" and (strict or contract == "exact"):
         raise ValueError("an FMU that is solved through model exchange meets the physics contract")
-    opener = partial(OPENED[interface], names=names)
+    opener = partial(exchange.OPENED[interface], names=names)
     _try_to_open(opener, fmu, time_limit, limits)
     with closing(opener(fmu)) as file:
         require(file)
@@ -279,7 +277,7 @@ def verify(
         mutants = _plantable(fmu, mutants, law)
         chosen = checks.chosen_contract(file, contract, strict=strict)
         if interface == "me":
-            chosen = ChosenContract("physics", HOW)
+            chosen = ChosenContract("physics", exchange.HOW)
         file.look_for(COULOMB.parameters, optional=True)
         grows = all(file.has(each.name) for each in COULOMB.parameters)
         origin = provenance(file, command)
@@ -348,7 +346,9 @@ def verify(
     if held_to.numerical:
         solved = solution(baseline, runs.plain, held_to)
         results = list(compare_numerical(runs, solved))
-        answered, errors = questions(solved, results, runs, within or WITHIN)
+        answered, errors = questions(
+            solved, results, runs, within or (exchange.WITHIN if held_to.solved else WITHIN)
+        )
         tables.append(errors)
     else:
         results = list(compare(runs))
