@@ -26,13 +26,18 @@ def judged(fmu: Path, cases: str = FEW, **how: Any) -> Verdict:
 
 
 @pytest.mark.parametrize(
-    ("law", "cases", "drawn"),
-    [("coulomb", FEW, 32), ("stribeck", MARCHED, 4), ("coulomb of others", FEW, 32)],
+    ("kind", "law", "cases", "drawn"),
+    [
+        ("native-3", "coulomb", FEW, 32),
+        ("native-2me", "coulomb", FEW, 8),
+        ("native-3", "stribeck", MARCHED, 4),
+        ("foreign", "coulomb", FEW, 32),
+    ],
 )
 def test_a_right_block_is_right_and_accurate_when_it_is_solved(
-    law: str, cases: str, drawn: int
+    kind: str, law: str, cases: str, drawn: int
 ) -> None:
-    fmu = solved() if "others" in law else built("native-3", law)
+    fmu = solved() if kind == "foreign" else built(kind, law)
     verdict = judged(fmu, cases, sequences=drawn)
     assert verdict.passed, [each for each in verdict.checks if each.failed]
     assert (verdict.contract.name, verdict.contract.why) == ("physics", HOW)
