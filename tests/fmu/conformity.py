@@ -8,7 +8,7 @@ from pathlib import Path
 import fmpy
 import pytest
 from fmpy.validation import validate_fmu
-from lxml import etree  # type: ignore[import-untyped]
+from lxml import etree
 
 from tests.needs import needs
 

@@ -5,17 +5,22 @@ import io
 import posixpath
 import re
 from collections.abc import Mapping
+from pathlib import Path
 from typing import Literal
 
+import fmpy
 import pytest
+from lxml import etree
 from PIL import Image
 
 from stickslip.handbook import parts
 from stickslip.page import page
-from stickslip_fmu.spec import TABLE
+from stickslip_fmu.laws.named import BUILT_IN, COULOMB_NAME, friction_law
+from stickslip_fmu.spec import TABLE, spec_of
 
 pytestmark = pytest.mark.gate
 Runtime = Mapping[str, tuple[str, bytes]]
+SCHEMA = Path(fmpy.__file__).parent / "schema" / "fmi3" / "fmi3TerminalsAndIcons.xsd"
 
 RUNTIME = {"start": ("Start of the libraries: MIT", b"All rights reversed")}
 """What a compiler would link into the native FMU."""
@@ -80,8 +85,28 @@ def test_the_native_fmu_carries_the_licences_of_its_runtime_and_of_no_wrapper() 
     assert parts(2, RUNTIME)["licenses/start.txt"] == b"All rights reversed"
 
 
-def test_the_icon_is_a_small_square_picture() -> None:
-    picture = parts()["model.png"]
-    assert len(picture) < 10_000
-    with Image.open(io.BytesIO(picture)) as drawn:
-        assert (drawn.format, drawn.size) == ("PNG", (256, 256))
+@pytest.mark.parametrize("law", BUILT_IN)
+def test_terminals_are_flanges_and_friction_under_a_small_square_icon(law: str) -> None:
+    files = parts(law=law)
+    assert files["model.png"] == files["terminalsAndIcons/icon.png"]
+    table = spec_of(friction_law(law).law).table.by_name
+    root = etree.fromstring(files["terminalsAndIcons/terminalsAndIcons.xml"])
+    etree.XMLSchema(file=SCHEMA).assertValid(root)
+    found = {
+        str(terminal.get("name")): {
+            (table[each.get("variableName")].causality, each.get("variableName"))
+            for each in terminal.iterfind("TerminalMemberVariable")
+        }
+        for terminal in root.iter("Terminal")
+    }
+    settings = {row for row in found.pop("friction") if row[0] == "parameter"}
+    assert {name for _, name in settings} >= {"c", "mu_s" if law == COULOMB_NAME else "mu_1"}
+    assert found == {
+        "pulled_end": {("input", "v"), ("output", "x_pull"), ("output", "F")},
+        "mass": {("input", "F_ext"), ("output", "x"), ("output", "x_dot")},
+    }
+    for name, width in (("icon", 256), ("flange", 32)):
+        picture = files[f"terminalsAndIcons/{name}.png"]
+        assert len(picture) < 3_000
+        with Image.open(io.BytesIO(picture)) as drawn:
+            assert (drawn.format, drawn.size) == ("PNG", (width, width))

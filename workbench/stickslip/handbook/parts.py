@@ -1,7 +1,7 @@
 """The files of the FMU that are there to be read, by their path in it.
 
-Its documentation (model, interface, importing, how it was verified), the page, its icon, and the
-licences of what is in it, ours and those of what it is built with.
+Its documentation (model, interface, importing, how it was verified), the page, its icon and
+terminals, and the licences of what is in it, ours and those of what it is built with.
 """
 
 from collections.abc import Mapping
@@ -102,22 +102,26 @@ def parts(
     Returns
     -------
     dict of bytes
-        ``documentation/index.html`` and what it leads to, the icon, the licences.
+        ``documentation/index.html`` and what it leads to, icon, terminals, the licences.
 
     Raises
     ------
     FileNotFoundError
         If an installed package has lost its licence.
     """
-    folder, icon_file = ("licenses", "model.png")
-    if fmi_version == 3:
-        folder, icon_file = ("documentation/licenses", "terminalsAndIcons/icon.png")
+    folder = "licenses" if fmi_version == 2 else "documentation/licenses"
     native = runtime is not None
     if runtime is None:
         what = "The binaries, and the Python package pythonfmu in resources/: MIT"
         runtime = {"pythonfmu": (what, _licence_of("pythonfmu"))}
     found = {f"{folder}/{name}": text for name, text in _licences(runtime).items()}
-    found[icon_file] = (_SOURCES / "icon.png").read_bytes()
+    for name in ("icon.png", "flange.png"):
+        found[f"terminalsAndIcons/{name}"] = (_SOURCES / name).read_bytes()
+    if fmi_version == 2:
+        found["model.png"] = found["terminalsAndIcons/icon.png"]
+    own = [row.name for row in friction_law(law).law.interface.rows if row.causality == "parameter"]
+    terminals = rendered("terminalsAndIcons.xml", friction=["load", "c", *own])
+    found["terminalsAndIcons/terminalsAndIcons.xml"] = terminals.encode()
     if law in BUILT_IN:
         text = document(fmi_version, native=native, law=law)
         found["documentation/index.html"] = text.encode()
