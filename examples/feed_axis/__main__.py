@@ -11,12 +11,13 @@ import pandas as pd
 import typer
 
 from stickslip.parameters import quantity
+from stickslip.systems import Move
 from stickslip_design.axis import AxisError, axis_file_of, example, read_axis_file
 from stickslip_native.compiler import CompilerError
 from stickslip_verification.report.svg import BLUE, GREY, ORANGE, STYLE
 
 from .masters import MASTERS, MasterError, run
-from .system import Move, build_all
+from .system import build_all
 
 SHOWN: Final = 0.2
 """End of a run that is drawn [s] while the axis feeds; of a move, its second half."""

@@ -17,7 +17,7 @@ from scipy import signal
 from scipy.linalg import expm
 from scipy.optimize import brentq
 
-from .system import Values
+from fmi.system import Values
 
 Vector = NDArray[np.float64]
 

@@ -4,10 +4,10 @@ import math
 from types import SimpleNamespace
 from typing import Any
 
-from examples.feed_axis.servo_drive.motion import inertia_at_slide
-from examples.feed_axis.servo_drive.table import TABLE
-from examples.feed_axis.system import Move, start_values
+from stickslip.systems import Move, start_values
 from stickslip_design import axis as design
+from stickslip_drive.motion import inertia_at_slide
+from stickslip_drive.table import TABLE
 
 SAME = (
     *("K_v", "T_n", "T_s", "d", "dry", "lag", "dead_time", "F_max", "pitch", "dead_band"),

@@ -13,12 +13,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from examples.feed_axis.masters import NAMES, run_in_fmpy
-from examples.feed_axis.servo_drive.model import ServoDrive
-from examples.feed_axis.servo_drive.table import Settings
-from examples.feed_axis.system import Values, write_ssp
+from examples.feed_axis.system import write_ssp
 from examples.feed_axis.whole_loop import solve
 from fmi.model import ModelError
+from fmi.system import Values
 from stickslip_design.loop.stability import is_stable
+from stickslip_drive.model import ServoDrive
+from stickslip_drive.table import Settings
 from stickslip_fmu.block import Block
 from tests.fmu.blocks import make_block
 

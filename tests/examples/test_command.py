@@ -1,30 +1,38 @@
 """The example's command, the SSP file that it writes, and the masters that run it."""
 
 import re
-import zipfile
 from pathlib import Path
 from typing import Any
-from xml.etree import ElementTree
 
 import numpy as np
 import pandas as pd
 import pytest
 import typer
-from fmpy.ssp.ssd import read_ssd, read_ssv
+from fmpy.ssp.ssd import read_ssd, read_ssm, read_ssv
 from numpy.typing import NDArray
 
 from examples.feed_axis.__main__ import main
 from examples.feed_axis.masters import MasterError, run
-from examples.feed_axis.system import Move, build_all, start_values, write_ssp
+from examples.feed_axis.system import build_all, write_ssp
+from stickslip import Parameters, cycle
+from stickslip.systems import (
+    WIRES,
+    Move,
+    System,
+    build_driver,
+    start_values,
+    values_of,
+    write_system,
+)
 from stickslip_design.axis import axis_file_of, example
 from tests.needs import needs
+from tests.python import python
 
 from .coupled import simulate
 
 Columns = dict[str, NDArray[np.float64]]
 
 STOP, STEP = 0.5, 250e-6
-SSV = "{http://ssp-standard.org/SSP1/SystemStructureParameterValues}"
 FMPY = "fmpy"
 MASTERS = [
     FMPY,
@@ -105,30 +113,60 @@ def test_what_the_drive_refuses_is_told_also_where_the_master_goes_on(
             run_in(master, file, 4 * STEP)
 
 
-def test_the_file_is_a_valid_ssp_with_the_same_numbers_in_both_places(axis_file: Path) -> None:
-    wires = read_ssd(str(axis_file), validate=True).system.connections
-    read_ssv(str(axis_file), "parameters.ssv", validate=True)
-    assert {(f"{each.startElement}.{each.startConnector}", each.endElement) for each in wires} == {
-        ("drive.v", "table"), ("table.F", "drive"), ("table.x", "drive")
-    }  # fmt: skip
-    assert all(each.startConnector == each.endConnector for each in wires)
-    with zipfile.ZipFile(axis_file) as archive:
-        system = ElementTree.fromstring(archive.read("parameters.ssv"))
-        structure = ElementTree.fromstring(archive.read("SystemStructure.ssd"))
+@pytest.mark.parametrize("system", WIRES)
+def test_a_system_is_a_valid_ssp_with_the_same_numbers_in_both_places(
+    system: System, fmus: Path, tmp_path: Path
+) -> None:
+    values = values_of(system, "coulomb", None)
+    driver = build_driver(system, tmp_path) if system == "source" else fmus / "ServoDrive.fmu"
+    file = str(write_system(system, tmp_path / "own.ssp", values, fmus / "StickSlip.fmu", driver))
+    read_ssv(file, "resources/parameters.ssv", validate=True)
+    read_ssm(file, "resources/parameters.ssm", validate=True)
+    structure = read_ssd(file, validate=True).system
+    [binding] = structure.parameterBindings
+    [parameters], [mapping] = binding.parameterValues, binding.parameterMapping
+    of_system = {each.name: each for each in parameters.parameters}
     inside = {
-        f"{component.get('name')}.{name}": value
-        for component in structure.iter()
-        if component.tag.endswith("}Component")
-        for name, value in parameters(component).items()
+        f"{component.name}.{each.name}": (each.type, each.value, each.unit)
+        for component in structure.elements
+        for each in component.parameterBindings[0].parameterValues[0].parameters
     }
-    assert inside == parameters(system)
-    assert inside.pop("drive.on_table") == ("Integer", "1")
+    assert inside == {
+        each.target: (own.type, own.value, own.unit)
+        for each in mapping.mappingEntries
+        for own in [of_system[each.source]]
+    }
     # libcosim drops a Real that is written as an Integer.
-    assert {kind for kind, _ in inside.values()} == {"Real"}
+    assert {name for name, (kind, *_) in inside.items() if kind != "Real"} <= {"drive.on_table"}
+    # One name for a stiffness that table and drive share; none where they differ.
+    shared = [each.target for each in mapping.mappingEntries if each.source == "k"]
+    assert shared == {"source": ["block.k"], "drive": ["table.k", "drive.k"], "pair": []}[system]
+    # FMPy gives an input that nothing drives the value of another one.
+    wires = structure.connections
+    assert {(component.name, each.name) for component in structure.elements
+            for each in component.connectors if each.kind == "input"} == {
+        (each.endElement, each.endConnector) for each in wires
+    }  # fmt: skip
+    assert {f"{each.startElement}.{each.startConnector} {each.endElement}.{each.endConnector}"
+            for each in wires} == set(WIRES[system])  # fmt: skip
 
 
-def parameters(tree: ElementTree.Element) -> dict[str, tuple[str, str]]:
-    return {
-        str(each.get("name")): (each[0].tag.removeprefix(SSV), str(each[0].get("value")))
-        for each in tree.iter(f"{SSV}Parameter")
-    }
+@pytest.mark.gate
+@pytest.mark.parametrize("master", MASTERS)
+def test_a_system_that_is_built_sticks_and_slips_wherever_it_runs(
+    master: str, tmp_path: Path
+) -> None:
+    last: dict[str, float] = {}
+    for system, stop, step, names in (
+        ("source", 1.0, 1e-3, ["block.T"]),
+        ("pair", 0.2, STEP, ["first.delta_x", "second.delta_x"]),
+    ):
+        done = python("-m", "stickslip", "build", "--ssp", system, "-o", tmp_path)
+        file = Path(done.stdout.split("  ")[0])
+        run(master, file, stop, step, tmp_path / "run.csv", names)
+        last |= pd.read_csv(tmp_path / "run.csv").iloc[-1]
+    # The speed is a difference of positions of 0.02 m, each rounded to 2e-18 m, over a step.
+    assert last["block.T"] == pytest.approx(cycle(Parameters()).exact.T, rel=1e-12)
+    # Each jumps by its gap 2 (mu_s - mu_k) m g / k, and by what the pulled end moves meanwhile.
+    for table, relief in (("first", 12.26e-6), ("second", 6.13e-6)):
+        assert relief < last[f"{table}.delta_x"] < 2.0 * relief

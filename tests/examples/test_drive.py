@@ -12,10 +12,10 @@ from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
 from scipy.linalg import expm
 
-from examples.feed_axis.servo_drive.model import ServoDrive
-from examples.feed_axis.servo_drive.motion import Inertia, Place, Pull
-from examples.feed_axis.servo_drive.setpoint import SetPoint
 from fmi.model import ModelError
+from stickslip_drive.model import ServoDrive
+from stickslip_drive.motion import Inertia, Place, Pull
+from stickslip_drive.setpoint import SetPoint
 
 from .axes import Axis
 from .coupled import FILTERED, servo

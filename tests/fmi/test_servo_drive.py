@@ -16,7 +16,7 @@ from tests.examples.coupled import servo
 from tests.fmu.acts import printed_log
 from tests.fmu.conformity import CHECKERS, by_fmpy, by_schema, description_of
 
-MAIN = "from examples.feed_axis.servo_drive.model import SPEC\n"
+MAIN = "from stickslip_drive.model import SPEC\n"
 START = {"K_v": 60.0, "on_table": 0, "dead_time": 4e-4, "low_pass": 500.0}
 OUTPUTS = {
     "v": "drive.output",
@@ -108,7 +108,7 @@ build_fmu({MAIN!r}, Path(sys.argv[1], "ServoDrive.fmu"), "servo_drive_")
 
 @pytest.mark.gate
 def test_fmi_packs_where_nothing_else_of_ours_is(tmp_path: Path, host: Host) -> None:
-    for name in ("examples", "fmi", "pythonfmu"):
+    for name in ("stickslip_drive", "fmi", "pythonfmu"):
         spec = find_spec(name)
         assert spec is not None
         (tmp_path / name).symlink_to(Path(spec.origin or "").parent, target_is_directory=True)

@@ -36,6 +36,7 @@ if TYPE_CHECKING:
     from rich.console import RenderableType
 
     from stickslip.runs import Floats
+    from stickslip.systems import System
 
 _MOST_SLIPS = (1_000_000, 10_000)
 """Slips that a run of the block, of the reference may have: each takes less than a minute."""
@@ -312,13 +313,15 @@ def build(
     law: str = COULOMB_NAME,
     this_machine: bool = False,
     interface: Literal["cs", "me"] = "cs",
+    ssp: System | None = None,
+    axis: Path | str | None = None,
 ) -> Path:
-    """Build the FMU with its documentation, and return its path.
+    """Build the FMU with its documentation, or a system of it, and return its path.
 
     Parameters
     ----------
     target
-        A folder, or a file that ends in ``.fmu``.
+        A folder, or a file that ends in ``.fmu``, of a system in ``.ssp``.
     native
         Whether it is the FMU in C, for all platforms, or with the compiler of `this_machine` for
         that alone.
@@ -328,11 +331,17 @@ def build(
         Name of the friction law.
     interface
         ``"cs"`` for co-simulation, ``"me"`` for model exchange, in C. FMI 3.0 has both in one FMU.
+    ssp
+        A system that is ready to run, FMI 2.0: the block pulled by a "source" of speed, the table
+        of an axis by its servo "drive", or a "pair" of such tables by one.
+    axis
+        File of the axis, which has a drive; default: that of ``stickslip design --example``.
 
     Raises
     ------
     OSError, ValueError
-        If the file cannot be written, or friction law or version is not known.
+        If the file cannot be written, friction law or version is not known, or the axis is no
+        system of FMUs.
     CompilerError
         If there is no compiler.
     """
@@ -344,6 +353,17 @@ def build(
         raise ParameterError("interface", f" {interface}: it is cs or me")
     solved = interface == "me"
     place = Path(target)
+    if ssp is not None:
+        from stickslip.systems import build_driver, values_of, write_system
+
+        if fmi != 2:
+            raise ParameterError("fmi", f" {fmi}: a system (SSP 1.0) is made of FMUs 2.0")
+        values = values_of(ssp, law, axis)
+        file = place if place.suffix == ".ssp" else place / f"StickSlip_{ssp}.ssp"
+        make_folder(file.parent, "target")
+        with tempfile.TemporaryDirectory(prefix="stickslip-") as made:
+            block = build(made, native=native, law=law, this_machine=this_machine)
+            return write_system(ssp, file, values, block, build_driver(ssp, block.parent))
     folder = place.parent if place.suffix == ".fmu" else place
     if not native and fmi == 2 and not solved:
         from stickslip_fmu.packer import build as packed

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from examples.feed_axis.system import Move, start_values
+from stickslip.systems import Move, start_values
 from stickslip_design.axis import axis_file_of, example
 from stickslip_design.sweeps.model import SweepError, read_model
 from stickslip_design.sweeps.study import prepare
@@ -101,7 +101,7 @@ def test_wires_carry_start_values_and_scale_them_through_a_system_inside(
         ('name="k"', 'name="no_such"', "table.no_such is no variable"),
         ("<ssd:System ", "<ssd:Systematics ", "not an SSP file ("),
         # A value of the system holds in place of the component's own.
-        ('<ssv:Real value="40000000.0" />', '<ssv:Real value="70000000.0" />', None),
+        ('<ssv:Real value="40000000.0"', '<ssv:Real value="70000000.0"', None),
     ],
 )  # fmt: skip
 def test_a_file_that_is_no_system_is_refused_with_the_reason(

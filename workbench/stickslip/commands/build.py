@@ -31,6 +31,8 @@ def build(
     native: bool = False,
     this_machine: bool = False,
     interface: Literal["cs", "me"] = "cs",
+    ssp: Literal["source", "drive", "pair"] | None = None,
+    axis: Path | None = None,
 ) -> None:
     """Build the FMU; print its path, size and SHA-256.
 
@@ -39,14 +41,21 @@ def build(
     another --law is named by the law's model, such as StickSlipStribeck.fmu, and is built without
     evidence.
 
-    The --native FMU needs no Python in the simulator. It knows the built-in friction laws.
+    The --native FMU needs no Python in the simulator. It knows the built-in friction laws. The one for
+    model exchange (--interface me) has no evidence.
+
+    With --ssp it is a system ready to run, without evidence: the FMU pulled by a source of speed,
+    the table of an --axis by its servo drive, or a pair of such tables by one drive.
     """
     if this_machine and not native and fmi == "2" and interface == "cs":
         raise CommandError("--this-machine is for --native; the Python FMU is not compiled")
-    options = {"law": law, "this_machine": this_machine, "interface": interface}
-    fmu = built(output, "-o", native=native, fmi=int(fmi), **options)
+    if axis is not None and ssp is None:
+        raise CommandError("--axis goes with --ssp drive or pair")
+    options = {"native": native, "law": law, "this_machine": this_machine, "ssp": ssp, "axis": axis}
+    fmu = built(output, "-o", fmi=int(fmi), interface=interface, **options)
     failed = False
-    if not bare and law == COULOMB:
+    stepped = fmi == "3" or interface == "cs"
+    if not bare and stepped and law == COULOMB and ssp is None:
         from stickslip.judgements import verify
 
         with long_work("Verifying the default experiment") as progress:

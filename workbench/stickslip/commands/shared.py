@@ -46,7 +46,7 @@ def built(target: Path, option: str, **options: Any) -> Path:
     from stickslip.library import build
     from stickslip.progress import meter
 
-    if target.suffix == ".fmu" and target.parent.is_dir():
+    if target.suffix in (".fmu", ".ssp") and target.parent.is_dir():
         check_writable(target, option)
     with meter("Building the FMU"), refused(target, option, "write the FMU"):
         return build(target, **options)

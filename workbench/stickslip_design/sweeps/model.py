@@ -192,9 +192,10 @@ def unpack_model(model: Model, folder: Path) -> list[Path]:
 _STRUCTURE: Final = "SystemStructure.ssd"
 _SSP: Final = "http://ssp-standard.org/SSP1/SystemStructure"
 _SPACE: Final = {
-    "ssd": f"{_SSP}Description", "ssc": f"{_SSP}Common", "ssv": f"{_SSP}ParameterValues"
+    "ssd": f"{_SSP}Description", "ssc": f"{_SSP}Common", "ssv": f"{_SSP}ParameterValues",
+    "ssm": f"{_SSP}ParameterMapping",
 }  # fmt: skip
-_UNREAD: Final = ("SignalDictionaryReference", "MappingTransformation", "ParameterMapping")
+_UNREAD: Final = ("SignalDictionaryReference", "MappingTransformation")
 """Ends of the names of elements that a sweep does not read."""
 _OF_FMU: Final = (None, "application/x-fmu-sharedlibrary")
 
@@ -279,13 +280,32 @@ def _read_ssp(path: Path) -> _System:
             sets = binding.findall("ssd:ParameterValues/ssv:ParameterSet", _SPACE)
             if source := binding.get("source"):
                 sets.insert(0, fromstring(archive.read(source)))
+            mapped = mapping(binding)
             for parameter in (
                 one for s in sets for one in s.iterfind("ssv:Parameters/ssv:Parameter", _SPACE)
             ):
                 written = parameter[0].get("value", "")
                 number = {"true": "1", "false": "0"}.get(written, written)
-                name = f"{place}{binding.get('prefix', '')}{parameter.get('name')}"
-                found.values[name] = f"{number} {parameter[0].get('unit', '')}".rstrip()
+                own = str(parameter.get("name"))
+                for name in [own] if mapped is None else mapped.get(own, []):
+                    name = f"{place}{binding.get('prefix', '')}{name}"
+                    found.values[name] = f"{number} {parameter[0].get('unit', '')}".rstrip()
+
+    def mapping(binding: Element) -> dict[str, list[str]] | None:
+        """Return the names of what a name of the parameters stands for; None: for itself."""
+        at = binding.find("ssd:ParameterMapping", _SPACE)
+        if at is None:
+            return None
+        file, names = at.get("source"), dict[str, list[str]]()
+        for entry in (fromstring(archive.read(file)) if file else at).iterfind(
+            ".//ssm:MappingEntry", _SPACE
+        ):
+            if len(entry):
+                raise QuantityError(
+                    f"changes the parameter {entry.get('source')}, which a sweep does not"
+                )
+            names.setdefault(entry.attrib["source"], []).append(entry.attrib["target"])
+        return names
 
     for element in root.iter():
         kind = element.tag.rpartition("}")[2]

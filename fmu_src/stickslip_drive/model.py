@@ -76,7 +76,7 @@ class ServoDrive(Model):
         """Move on by `step` [s]; raises ModelError unless it is above 0 and finite."""
         if not 0.0 < step < math.inf:
             raise ModelError(f"step = {step!r} s is out of range: it must be above 0")
-        self.drive.advance(step, self.wanted.F, self.wanted.x)
+        self.drive.advance(step, self.wanted.F, self.wanted.x, self.wanted.F_2)
         self._time += step
 
     def freeze(self) -> tuple[Settings, float, tuple[float, ...]]:

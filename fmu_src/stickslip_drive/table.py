@@ -124,7 +124,8 @@ _ROWS = (
     *(_parameter(number, *row) for number, row in enumerate(_FILTERS, _LAST)),
 )
 
-TABLE = Table(_UNITS, _QUANTITIES, _ROWS)
+_SECOND = _signal(len(_ROWS), "F_2", _FORCE, "input", "Spring force of a second table")
+TABLE = Table(_UNITS, _QUANTITIES, (*_ROWS, _SECOND))
 
 
 class Settings(Values, table=TABLE):

@@ -102,7 +102,7 @@ class Drive:
         self._waiting = memory[len(_MEMORY) : rest]
         self._controller.memory = memory[rest:]
 
-    def advance(self, h: float, F: float, table: float) -> None:
+    def advance(self, h: float, F: float, table: float, second: float = 0.0) -> None:
         """Go one communication step.
 
         Parameters
@@ -111,8 +111,12 @@ class Drive:
             Its length [s].
         F, table
             Spring force [N] and position of the table [m] at its start.
+        second
+            Spring force of a second table [N].
         """
-        speed = self._speed_of(table)
+        F += second
+        # Of two tables the springs tell where both are on average.
+        speed = self._speed_of(self._x_pull - F / self._k if second and self._k else table)
         # The force that belongs to the pulled end at 0.
         at_zero = F - self._k * self._x_pull
         self._run(h, at_zero, table, speed)
