@@ -11,13 +11,14 @@ import pandas as pd
 import typer
 
 from stickslip.parameters import quantity
-from stickslip.systems import Move
-from stickslip_design.axis import AxisError, axis_file_of, example, read_axis_file
+from stickslip.systems import Move, start_values, write_system
+from stickslip_design.axis import Axis, AxisError, axis_file_of, example, read_axis_file
+from stickslip_fmu.packer import build as build_block
 from stickslip_native.compiler import CompilerError
+from stickslip_native.packer import build as build_native
 from stickslip_verification.report.svg import BLUE, GREY, ORANGE, STYLE
 
 from .masters import MASTERS, MasterError, run
-from .system import build_all
 
 SHOWN: Final = 0.2
 """End of a run that is drawn [s] while the axis feeds; of a move, its second half."""
@@ -55,6 +56,19 @@ def main(
     drawn = output / "run.svg"
     draw(pd.read_csv(table), 0.5 * end if way else max(end - SHOWN, 0.0), axis.F_s, drawn)
     print(f"{ssp}, {table}, {drawn}")
+
+
+def build_all(folder: Path, axis: Axis, move: Move, *, native: bool = False) -> Path:
+    """Write both FMUs and FeedAxis.ssp into a folder; return the path of the latter.
+
+    A `native` table is compiled for this machine and has the name of the other one.
+    """
+    block = folder / "StickSlip.fmu"
+    if native:
+        build_native(block, this_machine=True)
+    else:
+        build_block(block)
+    return write_system("drive", folder / "FeedAxis.ssp", start_values(axis, move), block)
 
 
 def draw(rows: pd.DataFrame, start: float, F_s: float, target: Path) -> None:

@@ -6,7 +6,7 @@ importers that read no files of parameters.
 """
 
 from pathlib import Path
-from typing import Any, Dict, Mapping, NamedTuple, Sequence, Tuple, Union
+from typing import Any, Dict, List, Mapping, Optional, Sequence, Union
 from xml.etree import ElementTree
 from xml.etree.ElementTree import Element, SubElement
 from zipfile import ZipFile
@@ -16,24 +16,10 @@ from .packer import write_archive
 Values = Mapping[str, Mapping[str, Union[int, float]]]
 """Start values by component and variable, SI."""
 
-SET = "parameters"
-"""Name of each set of parameters."""
-
-_FOLDER = "resources"
-_SPACES = {
-    "ssc": "Common",
-    "ssd": "Description",
-    "ssm": "ParameterMapping",
-    "ssv": "ParameterValues",
-}
 _SSP = "http://ssp-standard.org/SSP1/SystemStructure"
-
-
-class _Fmu(NamedTuple):
-    """Causality, type and unit of the variables of an FMU; base units of its units by name."""
-
-    variables: Dict[str, Tuple[str, str, Dict[str, str]]]
-    units: Dict[str, Dict[str, str]]
+_SPACES = dict(ssc="Common", ssd="Description", ssm="ParameterMapping", ssv="ParameterValues")  # noqa: C408
+_SET = {"version": "1.0", "name": "parameters"}
+_FMU = {"type": "application/x-fmu-sharedlibrary", "implementation": "CoSimulation"}
 
 
 def write_ssp(
@@ -50,122 +36,95 @@ def write_ssp(
     wires
         Connections, such as "drive.v table.v".
     values
-        Start values.
+        Start values of variables that the FMUs have.
     stop_time
         End of the default experiment [s].
-
-    Raises
-    ------
-    KeyError
-        If an FMU has not a variable that a value is for.
-    OSError
-        If an FMU cannot be read or the file not written.
     """
-    read = {name: _read(file) for name, file in fmus.items()}
-    units = {unit: base for fmu in read.values() for unit, base in fmu.units.items()}
-    root = _element("ssd:SystemStructureDescription", version="1.0", name=target.stem)
+    described = {name: _description(file) for name, file in fmus.items()}
+    root = _add(None, "ssd:SystemStructureDescription", version="1.0", name=target.stem)
     system = _add(root, "ssd:System", name=target.stem)
     binding = _add(_add(system, "ssd:ParameterBindings"), "ssd:ParameterBinding")
-    binding.set("source", f"{_FOLDER}/{SET}.ssv")
-    _add(binding, "ssd:ParameterMapping", source=f"{_FOLDER}/{SET}.ssm")
+    binding.set("source", "resources/parameters.ssv")
+    _add(binding, "ssd:ParameterMapping", source="resources/parameters.ssm")
     elements = _add(system, "ssd:Elements")
-    driven = {wire.split()[1] for wire in wires}
-    for name, fmu in read.items():
-        source = f"{_FOLDER}/{fmus[name].name}"
-        kind = {"type": "application/x-fmu-sharedlibrary", "implementation": "CoSimulation"}
-        component = _add(elements, "ssd:Component", name=name, source=source, **kind)
+    driven = [wire.split()[1] for wire in wires]
+    rows: Dict[str, Element] = {}
+    for name, description in described.items():
+        source = f"resources/{fmus[name].name}"
+        component = _add(elements, "ssd:Component", name=name, source=source, **_FMU)
         connectors = _add(component, "ssd:Connectors")
-        for variable, (causality, type_, unit) in fmu.variables.items():
+        for row in description.iter("ScalarVariable"):
+            place, kind = f"{name}.{row.get('name')}", row.attrib["causality"]
+            rows[place] = row[0]
             # FMPy 0.3.32 gives an input that nothing drives the value of another one.
-            if causality == "output" or f"{name}.{variable}" in driven:
-                connector = _add(connectors, "ssd:Connector", name=variable, kind=causality)
-                _add(connector, f"ssc:{type_}", **unit)
+            if kind == "output" or place in driven:
+                connector = _add(connectors, "ssd:Connector", name=row.attrib["name"], kind=kind)
+                _add(connector, f"ssc:{row[0].tag}", **_unit(row[0]))
         own = _add(_add(component, "ssd:ParameterBindings"), "ssd:ParameterBinding")
-        own = _add(_add(own, "ssd:ParameterValues"), "ssv:ParameterSet", version="1.0", name=SET)
+        own = _add(_add(own, "ssd:ParameterValues"), "ssv:ParameterSet", **_SET)
         own = _add(own, "ssv:Parameters")
-        for variable, value in values.get(name, {}).items():
-            _add_value(own, variable, value, fmu.variables[variable])
+        for variable, value in values[name].items():
+            _add_value(own, variable, value, rows[f"{name}.{variable}"])
     connections = _add(system, "ssd:Connections")
     for wire in wires:
-        start, end = (each.split(".") for each in wire.split())
-        ends = {"startElement": start[0], "startConnector": start[1]}
-        ends.update(endElement=end[0], endConnector=end[1])
-        _add(connections, "ssd:Connection", **ends)
-    _add_units(_add(root, "ssd:Units"), units)
-    _add(root, "ssd:DefaultExperiment", startTime="0.0", stopTime=repr(float(stop_time)))
+        names = ("startElement", "startConnector", "endElement", "endConnector")
+        _add(connections, "ssd:Connection", **dict(zip(names, wire.replace(".", " ").split())))
 
-    shared = _element("ssv:ParameterSet", version="1.0", name=SET)
+    shared, mapping = _add(None, "ssv:ParameterSet", **_SET), _add(None, "ssm:ParameterMapping")
+    mapping.set("version", "1.0")
     parameters = _add(shared, "ssv:Parameters")
-    mapping = _element("ssm:ParameterMapping", version="1.0")
     for name, places in _names(fmus, values).items():
-        holder, variable = places[0].split(".")
-        described = read[holder].variables[variable]
-        _add_value(parameters, name, values[holder][variable], described)
+        component_, variable = places[0].split(".")
+        _add_value(parameters, name, values[component_][variable], rows[places[0]])
         for place in places:
             _add(mapping, "ssm:MappingEntry", source=name, target=place)
-    _add_units(_add(shared, "ssv:Units"), units)
-    entries = {
-        "SystemStructure.ssd": _text(root),
-        f"{_FOLDER}/{SET}.ssv": _text(shared),
-        f"{_FOLDER}/{SET}.ssm": _text(mapping),
-        **{f"{_FOLDER}/{file.name}": file.read_bytes() for file in fmus.values()},
-    }
-    write_archive(entries, target)
+    for units in (_add(root, "ssd:Units"), _add(shared, "ssv:Units")):
+        known = {unit.get("name"): unit for own in described.values() for unit in own.iter("Unit")}
+        for unit in known.values():
+            base = _add(units, "ssc:Unit", name=unit.attrib["name"])
+            _add(base, "ssc:BaseUnit", **unit[0].attrib)
+    _add(root, "ssd:DefaultExperiment", startTime="0.0", stopTime=repr(float(stop_time)))
+    texts = {"SystemStructure.ssd": root, "resources/parameters.ssv": shared}
+    texts["resources/parameters.ssm"] = mapping
+    files = {f"resources/{file.name}": file.read_bytes() for file in fmus.values()}
+    write_archive({**files, **{name: _text(tree) for name, tree in texts.items()}}, target)
     return target
 
 
-def _read(file: Path) -> _Fmu:
+def _description(file: Path) -> Element:
     with ZipFile(file) as archive:
-        root = ElementTree.fromstring(archive.read("modelDescription.xml"))
-    return _Fmu(
-        {
-            row.attrib["name"]: (
-                row.attrib["causality"],
-                row[0].tag,
-                {name: row[0].attrib[name] for name in ("unit",) if name in row[0].attrib},
-            )
-            for row in root.iter("ScalarVariable")
-        },
-        {unit.attrib["name"]: dict(unit[0].attrib) for unit in root.iter("Unit")},
-    )
+        return ElementTree.fromstring(archive.read("modelDescription.xml"))
 
 
-def _names(fmus: Mapping[str, Path], values: Values) -> Dict[str, Sequence[str]]:
+def _names(fmus: Mapping[str, Path], values: Values) -> Dict[str, List[str]]:
     """Return what each name of the set stands for: one variable, or equal ones of several FMUs."""
-    names: Dict[str, Sequence[str]] = {}
+    names: Dict[str, List[str]] = {}
     for variable in dict.fromkeys(name for own in values.values() for name in own):
         holders = [component for component, own in values.items() if variable in own]
         targets = [f"{component}.{variable}" for component in holders]
-        one = len({values[each][variable] for each in holders}) == 1
-        if one and len({fmus[each] for each in holders}) == len(holders):
+        numbers = {values[each][variable] for each in holders}
+        if len(numbers) == 1 and len({fmus[each] for each in holders}) == len(holders):
             names[variable] = targets
         else:
             names.update((target, [target]) for target in targets)
     return names
 
 
-def _element(tag: str, **attributes: str) -> Element:
-    return Element(_tag(tag), attributes)
-
-
-def _add(parent: Element, tag: str, **attributes: str) -> Element:
-    return SubElement(parent, _tag(tag), attributes)
-
-
-def _tag(tag: str) -> str:
+def _add(parent: Optional[Element], tag: str, **attributes: str) -> Element:
+    """Return a new element, in its parent if it has one."""
     prefix, name = tag.split(":")
-    return f"{{{_SSP}{_SPACES[prefix]}}}{name}"
+    tag = f"{{{_SSP}{_SPACES[prefix]}}}{name}"
+    return Element(tag, attributes) if parent is None else SubElement(parent, tag, attributes)
 
 
-def _add_value(parent: Element, name: str, value: Union[int, float], variable: Any) -> None:
-    _, type_, unit = variable
-    number = repr(float(value)) if type_ == "Real" else repr(value)
-    _add(_add(parent, "ssv:Parameter", name=name), f"ssv:{type_}", value=number, **unit)
+def _add_value(parent: Element, name: str, value: Any, kind: Element) -> None:
+    text = repr(float(value)) if kind.tag == "Real" else repr(value)
+    parameter = _add(parent, "ssv:Parameter", name=name)
+    _add(parameter, f"ssv:{kind.tag}", value=text, **_unit(kind))
 
 
-def _add_units(parent: Element, units: Mapping[str, Mapping[str, str]]) -> None:
-    for name, base in units.items():
-        _add(_add(parent, "ssc:Unit", name=name), "ssc:BaseUnit", **base)
+def _unit(kind: Element) -> Dict[str, str]:
+    return {name: text for name, text in kind.attrib.items() if name == "unit"}
 
 
 def _text(root: Element) -> bytes:

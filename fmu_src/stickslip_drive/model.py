@@ -76,8 +76,11 @@ class ServoDrive(Model):
         """Move on by `step` [s]; raises ModelError unless it is above 0 and finite."""
         if not 0.0 < step < math.inf:
             raise ModelError(f"step = {step!r} s is out of range: it must be above 0")
-        self.drive.advance(step, self.wanted.F, self.wanted.x, self.wanted.F_2)
+        self._pull(step)
         self._time += step
+
+    def _pull(self, step: float) -> None:
+        self.drive.advance(step, self.wanted.F, self.wanted.x, self.wanted.F_2)
 
     def freeze(self) -> tuple[Settings, float, tuple[float, ...]]:
         """Return the whole state for `thaw`."""
@@ -96,9 +99,10 @@ class ServoDrive(Model):
 
     def restore(self, saved: Any) -> None:
         """Take up a state that `save` returned; raises ModelError for anything else."""
-        settings = values(Settings, saved.get("settings", {}) if isinstance(saved, dict) else {})
+        given = saved.get("settings", {}) if isinstance(saved, dict) else {}
+        settings = values(type(self.wanted), given)
         # How much a state remembers depends on dead time and filters.
-        check(saved, ServoDrive(settings).save())
+        check(saved, type(self)(settings).save())
         self.thaw((settings, saved["time"], tuple(saved["memory"])))
 
 

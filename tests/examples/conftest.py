@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from stickslip.systems import build_driver
+from stickslip.systems import driver_of
 from tests.sharing import made_once
 
 
@@ -13,6 +13,6 @@ from tests.sharing import made_once
 def fmus(fmu_path: Path) -> Path:
     def make(folder: Path) -> None:
         shutil.copy(fmu_path, folder / "StickSlip.fmu")
-        build_driver("drive", folder)
+        driver_of("drive", folder)
 
     return made_once("feed-axis", make)

@@ -13,10 +13,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from examples.feed_axis.masters import NAMES, run_in_fmpy
-from examples.feed_axis.system import write_ssp
 from examples.feed_axis.whole_loop import solve
 from fmi.model import ModelError
 from fmi.system import Values
+from stickslip.systems import write_system
 from stickslip_design.loop.stability import is_stable
 from stickslip_drive.model import ServoDrive
 from stickslip_drive.table import Settings
@@ -34,7 +34,7 @@ FILTERED: dict[str, Any] = {**NOTCH, **LOW_PASS, "lag": 3e-4, "dead_time": 4e-4}
 
 def simulate(fmus: Path, values: Values, stop: float) -> dict[str, NDArray[np.float64]]:
     with tempfile.TemporaryDirectory() as folder:
-        file = write_ssp(Path(folder) / "FeedAxis.ssp", values, fmus)
+        file = write_system("drive", Path(folder) / "FeedAxis.ssp", values, fmus / "StickSlip.fmu")
         rows = np.array(run_in_fmpy(file, stop, values["drive"]["T_s"]))
     return dict(zip(("time", *NAMES), rows.T, strict=True))
 

@@ -11,15 +11,13 @@ import typer
 from fmpy.ssp.ssd import read_ssd, read_ssm, read_ssv
 from numpy.typing import NDArray
 
-from examples.feed_axis.__main__ import main
+from examples.feed_axis.__main__ import build_all, main
 from examples.feed_axis.masters import MasterError, run
-from examples.feed_axis.system import build_all, write_ssp
 from stickslip import Parameters, cycle
 from stickslip.systems import (
     WIRES,
     Move,
     System,
-    build_driver,
     start_values,
     values_of,
     write_system,
@@ -70,7 +68,9 @@ def run_in(master: str, ssp: Path, stop: float) -> Any:
 
 @pytest.fixture(scope="module")
 def axis_file(fmus: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
-    return write_ssp(tmp_path_factory.mktemp("ssp") / "FeedAxis.ssp", VALUES, fmus)
+    return write_system(
+        "drive", tmp_path_factory.mktemp("ssp") / "FeedAxis.ssp", VALUES, fmus / "StickSlip.fmu"
+    )
 
 
 @pytest.fixture(scope="module")
@@ -103,7 +103,7 @@ def test_what_the_drive_refuses_is_told_also_where_the_master_goes_on(
     master: str, fmus: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     refused = {**VALUES, "drive": {**VALUES["drive"], "K_v": -1.0}}
-    file = write_ssp(tmp_path / "refused.ssp", refused, fmus)
+    file = write_system("drive", tmp_path / "refused.ssp", refused, fmus / "StickSlip.fmu")
     reason = "K_v = -1.0 1/s is out of range: it must be finite and at least 0"
     if master == "ecos":
         assert not run_in(master, file, 4 * STEP)["drive.x_motor"].any()
@@ -118,8 +118,7 @@ def test_a_system_is_a_valid_ssp_with_the_same_numbers_in_both_places(
     system: System, fmus: Path, tmp_path: Path
 ) -> None:
     values = values_of(system, "coulomb", None)
-    driver = build_driver(system, tmp_path) if system == "source" else fmus / "ServoDrive.fmu"
-    file = str(write_system(system, tmp_path / "own.ssp", values, fmus / "StickSlip.fmu", driver))
+    file = str(write_system(system, tmp_path / "own.ssp", values, fmus / "StickSlip.fmu"))
     read_ssv(file, "resources/parameters.ssv", validate=True)
     read_ssm(file, "resources/parameters.ssm", validate=True)
     structure = read_ssd(file, validate=True).system

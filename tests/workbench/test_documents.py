@@ -10,7 +10,7 @@ from typing import Any
 
 import pytest
 
-from examples.feed_axis.system import build_all
+from examples.feed_axis.__main__ import build_all
 from stickslip.systems import Move
 from stickslip_design.axis import Axis, axis_file_of, example, read_axis_file
 from stickslip_design.axis.keys import KEYS

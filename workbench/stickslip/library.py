@@ -354,7 +354,7 @@ def build(
     solved = interface == "me"
     place = Path(target)
     if ssp is not None:
-        from stickslip.systems import build_driver, values_of, write_system
+        from stickslip.systems import values_of, write_system
 
         if fmi != 2:
             raise ParameterError("fmi", f" {fmi}: a system (SSP 1.0) is made of FMUs 2.0")
@@ -363,7 +363,7 @@ def build(
         make_folder(file.parent, "target")
         with tempfile.TemporaryDirectory(prefix="stickslip-") as made:
             block = build(made, native=native, law=law, this_machine=this_machine)
-            return write_system(ssp, file, values, block, build_driver(ssp, block.parent))
+            return write_system(ssp, file, values, block)
     folder = place.parent if place.suffix == ".fmu" else place
     if not native and fmi == 2 and not solved:
         from stickslip_fmu.packer import build as packed

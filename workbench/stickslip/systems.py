@@ -103,14 +103,17 @@ def values_of(system: System, law: str, axis: Path | str | None) -> Values:
     return start_values(known, Move(feed, known.demand.acceleration or 0.1), system)
 
 
-def build_driver(system: System, folder: Path) -> Path:
-    """Build the FMU that pulls, SpeedSource.fmu or ServoDrive.fmu, in a folder; return its path."""
+def driver_of(system: System, folder: Path) -> Path:
+    """Return the FMU that pulls, SpeedSource.fmu or ServoDrive.fmu; a folder without gets it."""
     module, fmu = ("source", "SpeedSource") if system == "source" else ("model", "ServoDrive")
-    main = f"from stickslip_drive.{module} import SPEC"
-    return build_fmu(main, folder / f"{fmu}.fmu", "stickslip_drive_")
+    file = folder / f"{fmu}.fmu"
+    if not file.exists():
+        build_fmu(f"from stickslip_drive.{module} import SPEC", file, "stickslip_drive_")
+    return file
 
 
-def write_system(system: System, target: Path, values: Values, block: Path, driver: Path) -> Path:
-    """Write an SSP file of the FMUs of the block and of what pulls, and return it."""
+def write_system(system: System, target: Path, values: Values, block: Path) -> Path:
+    """Write an SSP file with the block's FMU, and what pulls it from the same folder; return it."""
+    driver = driver_of(system, block.parent)
     fmus = {name: driver if name in ("source", "drive") else block for name in values}
     return write_ssp(target, fmus, WIRES[system], values, 10.0 if system == "source" else 2.0)

@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 from pythonfmu.builder import FmuBuilder
 
-from examples.feed_axis.system import build_all
+from examples.feed_axis.__main__ import build_all
 from stickslip.systems import Move
 from stickslip_design.axis import axis_file_of, example
 

@@ -296,15 +296,13 @@ def _read_ssp(path: Path) -> _System:
         at = binding.find("ssd:ParameterMapping", _SPACE)
         if at is None:
             return None
-        file, names = at.get("source"), dict[str, list[str]]()
-        for entry in (fromstring(archive.read(file)) if file else at).iterfind(
-            ".//ssm:MappingEntry", _SPACE
-        ):
-            if len(entry):
-                raise QuantityError(
-                    f"changes the parameter {entry.get('source')}, which a sweep does not"
-                )
-            names.setdefault(entry.attrib["source"], []).append(entry.attrib["target"])
+        names: dict[str, list[str]] = {}
+        tree = fromstring(archive.read(at.attrib["source"])) if "source" in at.attrib else at
+        for entry in tree.iterfind(".//ssm:MappingEntry", _SPACE):
+            source = entry.attrib["source"]
+            if any(child.tag.endswith("Transformation") for child in entry):
+                raise QuantityError(f"changes the parameter {source}, which a sweep does not")
+            names.setdefault(source, []).append(entry.attrib["target"])
         return names
 
     for element in root.iter():
