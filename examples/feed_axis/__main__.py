@@ -64,6 +64,8 @@ def build_all(folder: Path, axis: Axis, move: Move, *, native: bool = False) -> 
     A `native` table is compiled for this machine and has the name of the other one.
     """
     block = folder / "StickSlip.fmu"
+    # It would be taken as it is.
+    (folder / "ServoDrive.fmu").unlink(missing_ok=True)
     if native:
         build_native(block, this_machine=True)
     else:

@@ -17,7 +17,8 @@ Values = Mapping[str, Mapping[str, Union[int, float]]]
 """Start values by component and variable, SI."""
 
 _SSP = "http://ssp-standard.org/SSP1/SystemStructure"
-_SPACES = dict(ssc="Common", ssd="Description", ssm="ParameterMapping", ssv="ParameterValues")  # noqa: C408
+_KINDS = {"c": "Common", "d": "Description", "m": "ParameterMapping", "v": "ParameterValues"}
+_SPACES = {f"ss{letter}": _SSP + name for letter, name in _KINDS.items()}
 _SET = {"version": "1.0", "name": "parameters"}
 _FMU = {"type": "application/x-fmu-sharedlibrary", "implementation": "CoSimulation"}
 
@@ -41,6 +42,11 @@ def write_ssp(
         End of the default experiment [s].
     """
     described = {name: _description(file) for name, file in fmus.items()}
+    rows = {
+        f"{name}.{row.get('name')}": row
+        for name, description in described.items()
+        for row in description.iter("ScalarVariable")
+    }
     root = _add(None, "ssd:SystemStructureDescription", version="1.0", name=target.stem)
     system = _add(root, "ssd:System", name=target.stem)
     binding = _add(_add(system, "ssd:ParameterBindings"), "ssd:ParameterBinding")
@@ -48,18 +54,17 @@ def write_ssp(
     _add(binding, "ssd:ParameterMapping", source="resources/parameters.ssm")
     elements = _add(system, "ssd:Elements")
     driven = [wire.split()[1] for wire in wires]
-    rows: Dict[str, Element] = {}
-    for name, description in described.items():
-        source = f"resources/{fmus[name].name}"
+    for name, file in fmus.items():
+        source = f"resources/{file.name}"
         component = _add(elements, "ssd:Component", name=name, source=source, **_FMU)
         connectors = _add(component, "ssd:Connectors")
-        for row in description.iter("ScalarVariable"):
-            place, kind = f"{name}.{row.get('name')}", row.attrib["causality"]
-            rows[place] = row[0]
+        for place, row in rows.items():
+            holder, _, variable = place.partition(".")
+            kind = row.attrib["causality"]
             # FMPy 0.3.32 gives an input that nothing drives the value of another one.
-            if kind == "output" or place in driven:
-                connector = _add(connectors, "ssd:Connector", name=row.attrib["name"], kind=kind)
-                _add(connector, f"ssc:{row[0].tag}", **_unit(row[0]))
+            if holder == name and (kind == "output" or place in driven):
+                connector = _add(connectors, "ssd:Connector", name=variable, kind=kind)
+                _add(connector, f"ssc:{row[0].tag}", **_unit(row))
         own = _add(_add(component, "ssd:ParameterBindings"), "ssd:ParameterBinding")
         own = _add(_add(own, "ssd:ParameterValues"), "ssv:ParameterSet", **_SET)
         own = _add(own, "ssv:Parameters")
@@ -74,8 +79,8 @@ def write_ssp(
     mapping.set("version", "1.0")
     parameters = _add(shared, "ssv:Parameters")
     for name, places in _names(fmus, values).items():
-        component_, variable = places[0].split(".")
-        _add_value(parameters, name, values[component_][variable], rows[places[0]])
+        holder, _, variable = places[0].partition(".")
+        _add_value(parameters, name, values[holder][variable], rows[places[0]])
         for place in places:
             _add(mapping, "ssm:MappingEntry", source=name, target=place)
     for units in (_add(root, "ssd:Units"), _add(shared, "ssv:Units")):
@@ -113,22 +118,22 @@ def _names(fmus: Mapping[str, Path], values: Values) -> Dict[str, List[str]]:
 def _add(parent: Optional[Element], tag: str, **attributes: str) -> Element:
     """Return a new element, in its parent if it has one."""
     prefix, name = tag.split(":")
-    tag = f"{{{_SSP}{_SPACES[prefix]}}}{name}"
+    tag = f"{{{_SPACES[prefix]}}}{name}"
     return Element(tag, attributes) if parent is None else SubElement(parent, tag, attributes)
 
 
-def _add_value(parent: Element, name: str, value: Any, kind: Element) -> None:
-    text = repr(float(value)) if kind.tag == "Real" else repr(value)
+def _add_value(parent: Element, name: str, value: Any, row: Element) -> None:
+    text = repr(float(value)) if row[0].tag == "Real" else repr(value)
     parameter = _add(parent, "ssv:Parameter", name=name)
-    _add(parameter, f"ssv:{kind.tag}", value=text, **_unit(kind))
+    _add(parameter, f"ssv:{row[0].tag}", value=text, **_unit(row))
 
 
-def _unit(kind: Element) -> Dict[str, str]:
-    return {name: text for name, text in kind.attrib.items() if name == "unit"}
+def _unit(row: Element) -> Dict[str, str]:
+    return {name: text for name, text in row[0].attrib.items() if name == "unit"}
 
 
 def _text(root: Element) -> bytes:
-    for prefix, name in _SPACES.items():
-        ElementTree.register_namespace(prefix, _SSP + name)
+    for prefix, space in _SPACES.items():
+        ElementTree.register_namespace(prefix, space)
     ElementTree.indent(root)
     return ElementTree.tostring(root, "unicode", xml_declaration=True).encode()

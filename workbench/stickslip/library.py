@@ -353,6 +353,10 @@ def build(
         raise ParameterError("interface", f" {interface}: it is cs or me")
     solved = interface == "me"
     place = Path(target)
+    if axis is not None and ssp is None:
+        raise ParameterError("axis", " goes with ssp drive or pair")
+    if place.suffix == (".ssp" if ssp is None else ".fmu"):
+        raise ValueError(f"{place}: the name of an FMU ends in .fmu, of a system in .ssp")
     if ssp is not None:
         from stickslip.systems import values_of, write_system
 

@@ -49,8 +49,6 @@ def build(
     """
     if this_machine and not native and fmi == "2" and interface == "cs":
         raise CommandError("--this-machine is for --native; the Python FMU is not compiled")
-    if axis is not None and ssp is None:
-        raise CommandError("--axis goes with --ssp drive or pair")
     options = {"native": native, "law": law, "this_machine": this_machine, "ssp": ssp, "axis": axis}
     fmu = built(output, "-o", fmi=int(fmi), interface=interface, **options)
     failed = False
