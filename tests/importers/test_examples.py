@@ -80,6 +80,13 @@ def test_the_lines_for_fmpy_write_an_exact_table(folder: Path) -> None:
     assert max(deviations(CASES["default"], rows).values()) < 1e-12
 
 
+@pytest.mark.gate
+def test_the_lines_for_a_system_build_it_and_run_it(folder: Path) -> None:
+    walk(shell_lines("A system ready to run: SSP"), folder)
+    table = columns(folder / "run.csv")
+    assert (len(table["time"]), table["block.T"][-1]) == (1000, pytest.approx(0.31526808705))
+
+
 @needs("proxyfmu")
 def test_ecos_runs_the_block_in_its_own_process_where_it_may(folder: Path) -> None:
     import ecospy

@@ -363,10 +363,11 @@ def build(
         if fmi != 2:
             raise ParameterError("fmi", f" {fmi}: a system (SSP 1.0) is made of FMUs 2.0")
         values = values_of(ssp, law, axis)
-        file = place if place.suffix == ".ssp" else place / f"StickSlip_{ssp}.ssp"
-        make_folder(file.parent, "target")
+        is_file = place.suffix == ".ssp"
+        make_folder(place.parent if is_file else place, "target")
         with tempfile.TemporaryDirectory(prefix="stickslip-") as made:
             block = build(made, native=native, law=law, this_machine=this_machine)
+            file = place if is_file else place / f"{block.stem}_{ssp}.ssp"
             return write_system(ssp, file, values, block)
     folder = place.parent if place.suffix == ".fmu" else place
     if not native and fmi == 2 and not solved:
