@@ -11,7 +11,7 @@ int comma_snprintf(char *text, size_t size, const char *format, ...)
     va_start(arguments, format);
     const int length = vsnprintf(text, size, format, arguments);
     va_end(arguments);
-    if (strcmp(format, "%.*e") == 0 && (point = strchr(text, '.')) != NULL) *point = ',';
+    if (strcmp(format, "%.*g") == 0 && (point = strchr(text, '.')) != NULL) *point = ',';
     return length;
 }
 

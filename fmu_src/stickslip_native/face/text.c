@@ -9,111 +9,22 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Digits that tell any two doubles apart. */
-enum { MOST_DIGITS = 17 };
-
-/* Powers of ten between which a number is written without an exponent: 1e-4 up to below 1e16. */
-enum { SMALLEST_FIXED = -4, BEYOND_FIXED = 16 };
-
-/* digits[0].digits[1]... times ten to the power of `exponent`. */
-struct decimal {
-    char digits[MOST_DIGITS + 1];
-    int count, exponent;
-};
-
-/* Round a finite number above 0 to `count` digits.
- *
- * The decimal point of printf is that of the locale, so whatever is no digit is passed over. */
-static struct decimal rounded(double value, int count)
-{
-    struct decimal made = {"", count, 0};
-    char text[64];
-    const char *next = text;
-    int found = 0;
-
-    snprintf(text, sizeof text, "%.*e", count - 1, value);
-    for (; *next != '\0' && *next != 'e'; next++)
-        if (*next >= '0' && *next <= '9' && found < count)
-            made.digits[found++] = *next;
-    made.exponent = *next == 'e' ? atoi(next + 1) : 0;
-    return made;
-}
-
-/* The next larger decimal of as many digits. */
-static struct decimal next_larger(struct decimal it)
-{
-    int place = it.count - 1;
-
-    while (place >= 0 && it.digits[place] == '9')
-        it.digits[place--] = '0';
-    if (place >= 0) {
-        it.digits[place]++;
-    } else {
-        it.digits[0] = '1';
-        it.exponent++;
-    }
-    return it;
-}
-
-/* The double nearest to a decimal. The text that is read has no decimal point, which would depend
- * on the locale. */
-static double read_back(const struct decimal *it)
-{
-    char text[64];
-
-    snprintf(text, sizeof text, "%se%d", it->digits, it->exponent - (it->count - 1));
-    return strtod(text, NULL);
-}
-
-/* The shortest decimal that reads back as a finite number above 0. */
-static struct decimal shortest(double value)
-{
-    int exponent, count;
-    struct decimal it;
-    /* Below a power of two doubles lie closer than above it: there the decimal nearest to the
-     * number may read back as another double, and the next larger one as this. */
-    bool power_of_two = frexp(value, &exponent) == 0.5;
-
-    for (count = 1; count < MOST_DIGITS; count++) {
-        it = rounded(value, count);
-        if (read_back(&it) == value)
-            return it;
-        if (power_of_two) {
-            it = next_larger(it);
-            if (read_back(&it) == value)
-                return it;
-        }
-    }
-    return rounded(value, MOST_DIGITS);
-}
+/* Digits that most numbers have that people type, and those that tell any two doubles apart. */
+enum { FEWEST_DIGITS = 15, MOST_DIGITS = 17 };
 
 void number_text(double value, char text[NUMBER_SIZE])
 {
-    struct decimal it;
-    size_t size = NUMBER_SIZE;
-    const char *sign = signbit(value) ? "-" : "";
-    int before;
-
-    if (isnan(value)) {
-        snprintf(text, size, "nan");
-    } else if (isinf(value)) {
-        snprintf(text, size, "%sinf", sign);
-    } else if (value == 0.0) {
-        snprintf(text, size, "%s0.0", sign);
-    } else {
-        it = shortest(fabs(value));
-        before = it.exponent + 1; /* digits before the decimal point */
-        if (it.exponent < SMALLEST_FIXED || it.exponent >= BEYOND_FIXED)
-            snprintf(text, size, "%s%c%s%se%c%02d", sign, it.digits[0], it.count > 1 ? "." : "",
-                     it.digits + 1, it.exponent < 0 ? '-' : '+', abs(it.exponent));
-        else if (before <= 0)
-            snprintf(text, size, "%s0.%.*s%s", sign, -before, "0000", it.digits);
-        else if (before < it.count)
-            snprintf(text, size, "%s%.*s.%s", sign, before, it.digits, it.digits + before);
-        else
-            snprintf(text, size, "%s%s%.*s.0", sign, it.digits, before - it.count,
-                     "0000000000000000");
+    for (int digits = FEWEST_DIGITS; digits <= MOST_DIGITS; digits++) {
+        snprintf(text, NUMBER_SIZE, "%.*g", digits, value);
+        if (strtod(text, NULL) == value) break;
     }
+    if (isnan(value)) snprintf(text, NUMBER_SIZE, "nan");
+    /* The decimal point is that of the locale. */
+    char *point = strchr(text, ',');
+    const size_t length = strlen(text);
+    if (point != NULL) *point = '.';
+    if (isfinite(value) && strpbrk(text, ".e") == NULL)
+        snprintf(text + length, NUMBER_SIZE - length, ".0");
 }
 
 /* The text of a whole number, as that of an Integer. */

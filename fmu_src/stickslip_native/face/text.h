@@ -1,4 +1,4 @@
-/* Texts of numbers, refusals and warnings: those of the Python FMU, to the letter.
+/* Texts of numbers, refusals and warnings: those of the Python FMU, but for the form of numbers.
  *
  * Nothing here depends on the locale. A text is only made when a message is. */
 #ifndef STICKSLIP_TEXT_H
@@ -15,7 +15,7 @@ enum {
     MESSAGE_SIZE = 512 /* any message about this FMU; longer ones are cut */
 };
 
-/* The shortest decimal text that reads back as the number, in the form of Python's repr. */
+/* A text that reads back as the number, of 15 digits where they do; 1.0 and not 1. */
 void number_text(double value, char text[NUMBER_SIZE]);
 
 /* Whether a variable can take a value. */

@@ -41,7 +41,7 @@ def build(
     another --law is named by the law's model, such as StickSlipStribeck.fmu, and is built without
     evidence.
 
-    The --native FMU needs no Python in the simulator. It knows the built-in friction laws. The one for
+    The --native FMU needs no Python in the simulator. It knows the built-in friction laws. That for
     model exchange (--interface me) has no evidence.
 
     With --ssp it is a system ready to run, without evidence: the FMU pulled by a source of speed,
