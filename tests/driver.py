@@ -41,6 +41,11 @@ _LOGGERS = {
 }
 
 
+def numbers_as_repr(text: str) -> str:
+    """Return a message with its numbers in the form of repr; the native FMU's are of 15 digits."""
+    return re.sub(r"(?<= )-?\d[\d.]*(e[+-]\d+)?\b", lambda m: repr(float(m[0])), text)
+
+
 class Refused(Exception):  # noqa: N818 - an answer, which a test may expect
     """A call that did not return OK or Warning: its name, its status, what was logged since."""
 

@@ -1,7 +1,6 @@
 """The native FMU refuses what the Python FMU refuses, and warns of what it warns of: same words."""
 
 import math
-import re
 from collections.abc import Iterable, Iterator
 from typing import Any
 
@@ -10,7 +9,7 @@ import pytest
 from fmi.table import Table, Variable
 from stickslip_native.named import native_law
 from tests.conftest import built
-from tests.driver import Host
+from tests.driver import Host, numbers_as_repr
 from tests.native.heard import MARK, heard
 from tests.needs import needs
 
@@ -143,9 +142,7 @@ def told(host: Host, kind: str, law: str, lists: list[Calls]) -> list[tuple[int,
 
 
 def alike(said: tuple[Any, list[str]]) -> tuple[Any, list[str]]:
-    """Return what was said with each number in the form of repr."""
-    number = r"(?<= )-?\d[\d.]*(e[+-]\d+)?\b"
-    return said[0], [re.sub(number, lambda m: repr(float(m[0])), text) for text in said[1]]
+    return said[0], [numbers_as_repr(text) for text in said[1]]
 
 
 @needs("cc")

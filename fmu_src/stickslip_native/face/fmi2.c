@@ -12,10 +12,10 @@
 #include <float.h>
 #include <stddef.h>
 
-static const struct type REALS = {"Real", 1u << SORT_REAL, STICKSLIP_MODEL_EXCHANGE};
-static const struct type INTEGERS = {"Integer", 1u << SORT_INTEGER | 1u << SORT_ENUMERATION, false};
-static const struct type BOOLEANS = {"Boolean", 1u << SORT_BOOLEAN, false};
-static const struct type STRINGS = {"String", 0, false};
+static const struct type Real = {"Real", 1u << SORT_REAL, STICKSLIP_MODEL_EXCHANGE};
+static const struct type Integer = {"Integer", 1u << SORT_INTEGER | 1u << SORT_ENUMERATION, false};
+static const struct type Boolean = {"Boolean", 1u << SORT_BOOLEAN, false};
+static const struct type String = {"String", 0, false};
 
 static fmi2Status status_of(bool taken)
 {
@@ -101,118 +101,66 @@ STICKSLIP_EXPORT fmi2Status FMI2(fmi2SetupExperiment)(fmi2Component c,
     return status_of(instance_set_start(c, start_time));
 }
 
-STICKSLIP_EXPORT fmi2Status FMI2(fmi2EnterInitializationMode)(fmi2Component c)
-{
-    return status_of(instance_enter_initialization(c));
-}
-
-STICKSLIP_EXPORT fmi2Status FMI2(fmi2ExitInitializationMode)(fmi2Component c)
-{
-    return status_of(instance_exit_initialization(c));
-}
-
-STICKSLIP_EXPORT fmi2Status FMI2(fmi2Terminate)(fmi2Component c)
-{
-    return status_of(instance_terminate(c));
-}
-
-STICKSLIP_EXPORT fmi2Status FMI2(fmi2Reset)(fmi2Component c)
-{
-    return status_of(instance_reset(c));
-}
-
-/* Values. */
-
-STICKSLIP_EXPORT fmi2Status FMI2(fmi2GetReal)(fmi2Component c,
-                                              const fmi2ValueReference references[], size_t count,
-                                              fmi2Real values[])
-{
-    if (!instance_begin_get(c, "fmi2GetReal", &REALS, references, count, values, count))
-        return fmi2Error;
-    for (size_t n = 0; n < count; n++)
-        if (!instance_get(c, &REALS, references, count, n, &values[n])) return fmi2Error;
-    return fmi2OK;
-}
-
-static fmi2Status get_integers(struct instance *it, const char *call, const struct type *type,
-                               const fmi2ValueReference references[], size_t count, int values[])
-{
-    double value;
-    if (!instance_begin_get(it, call, type, references, count, values, count)) return fmi2Error;
-    for (size_t n = 0; n < count; n++) {
-        if (!instance_get(it, type, references, count, n, &value)) return fmi2Error;
-        values[n] = (int)value;
+#define PHASE(NAME, FUNCTION)                                                                      \
+    STICKSLIP_EXPORT fmi2Status FMI2(NAME)(fmi2Component c)                                        \
+    {                                                                                              \
+        return status_of(FUNCTION(c));                                                             \
     }
-    return fmi2OK;
-}
 
-STICKSLIP_EXPORT fmi2Status FMI2(fmi2GetInteger)(fmi2Component c,
-                                                 const fmi2ValueReference references[],
-                                                 size_t count, fmi2Integer values[])
-{
-    return get_integers(c, "fmi2GetInteger", &INTEGERS, references, count, values);
-}
+PHASE(fmi2EnterInitializationMode, instance_enter_initialization)
+PHASE(fmi2ExitInitializationMode, instance_exit_initialization)
+PHASE(fmi2Terminate, instance_terminate)
+PHASE(fmi2Reset, instance_reset)
 
-STICKSLIP_EXPORT fmi2Status FMI2(fmi2GetBoolean)(fmi2Component c,
-                                                 const fmi2ValueReference references[],
-                                                 size_t count, fmi2Boolean values[])
-{
-    return get_integers(c, "fmi2GetBoolean", &BOOLEANS, references, count, values);
-}
+/* Values. No variable is a String, so no text is read or written. */
+
+#define VALUES(NAME)                                                                               \
+    STICKSLIP_EXPORT fmi2Status FMI2(fmi2Get##NAME)(                                               \
+        fmi2Component c, const fmi2ValueReference references[], size_t count,                      \
+        fmi2##NAME values[])                                                                       \
+    {                                                                                              \
+        double value;                                                                              \
+        if (!instance_begin_get(c, "fmi2Get" #NAME, &NAME, references, count, values, count))      \
+            return fmi2Error;                                                                      \
+        for (size_t n = 0; n < count; n++) {                                                       \
+            if (!instance_get(c, &NAME, references, count, n, &value)) return fmi2Error;           \
+            values[n] = (fmi2##NAME)value;                                                         \
+        }                                                                                          \
+        return fmi2OK;                                                                             \
+    }                                                                                              \
+                                                                                                   \
+    STICKSLIP_EXPORT fmi2Status FMI2(fmi2Set##NAME)(                                               \
+        fmi2Component c, const fmi2ValueReference references[], size_t count,                      \
+        const fmi2##NAME values[])                                                                 \
+    {                                                                                              \
+        if (!instance_begin_set(c, "fmi2Set" #NAME, &NAME, references, count, values, count))      \
+            return fmi2Error;                                                                      \
+        for (size_t n = 0; n < count; n++)                                                         \
+            if (!instance_set(c, &NAME, references[n], (double)values[n])) return fmi2Error;       \
+        return status_of(instance_end_set(c));                                                     \
+    }
+
+VALUES(Real)
+VALUES(Integer)
+VALUES(Boolean)
 
 STICKSLIP_EXPORT fmi2Status FMI2(fmi2GetString)(fmi2Component c,
                                                 const fmi2ValueReference references[],
                                                 size_t count, fmi2String values[])
 {
     double none;
-    if (!instance_begin_get(c, "fmi2GetString", &STRINGS, references, count, values, count))
+    if (!instance_begin_get(c, "fmi2GetString", &String, references, count, values, count))
         return fmi2Error;
-    return status_of(count == 0 || instance_get(c, &STRINGS, references, count, 0, &none));
-}
-
-STICKSLIP_EXPORT fmi2Status FMI2(fmi2SetReal)(fmi2Component c,
-                                              const fmi2ValueReference references[], size_t count,
-                                              const fmi2Real values[])
-{
-    if (!instance_begin_set(c, "fmi2SetReal", &REALS, references, count, values, count))
-        return fmi2Error;
-    for (size_t n = 0; n < count; n++)
-        if (!instance_set(c, &REALS, references[n], values[n])) return fmi2Error;
-    return status_of(instance_end_set(c));
-}
-
-static fmi2Status set_integers(struct instance *it, const char *call, const struct type *type,
-                               const fmi2ValueReference references[], size_t count,
-                               const int values[])
-{
-    if (!instance_begin_set(it, call, type, references, count, values, count)) return fmi2Error;
-    for (size_t n = 0; n < count; n++)
-        if (!instance_set(it, type, references[n], values[n])) return fmi2Error;
-    return status_of(instance_end_set(it));
-}
-
-STICKSLIP_EXPORT fmi2Status FMI2(fmi2SetInteger)(fmi2Component c,
-                                                 const fmi2ValueReference references[],
-                                                 size_t count, const fmi2Integer values[])
-{
-    return set_integers(c, "fmi2SetInteger", &INTEGERS, references, count, values);
-}
-
-STICKSLIP_EXPORT fmi2Status FMI2(fmi2SetBoolean)(fmi2Component c,
-                                                 const fmi2ValueReference references[],
-                                                 size_t count, const fmi2Boolean values[])
-{
-    return set_integers(c, "fmi2SetBoolean", &BOOLEANS, references, count, values);
+    return status_of(count == 0 || instance_get(c, &String, references, count, 0, &none));
 }
 
 STICKSLIP_EXPORT fmi2Status FMI2(fmi2SetString)(fmi2Component c,
                                                 const fmi2ValueReference references[],
                                                 size_t count, const fmi2String values[])
 {
-    /* No variable is a String, so no text is read. */
-    if (!instance_begin_set(c, "fmi2SetString", &STRINGS, references, count, values, count))
+    if (!instance_begin_set(c, "fmi2SetString", &String, references, count, values, count))
         return fmi2Error;
-    return status_of(count == 0 || instance_set(c, &STRINGS, references[0], 0.0));
+    return status_of(count == 0 || instance_set(c, &String, references[0], 0.0));
 }
 
 /* States. */
@@ -356,11 +304,16 @@ STICKSLIP_EXPORT fmi2Status FMI2(fmi2CancelStep)(fmi2Component c)
 /* Status of the last step: no step is ever pending, and none ends the simulation. These calls do
  * not depend on the motion. */
 
-STICKSLIP_EXPORT fmi2Status FMI2(fmi2GetStatus)(fmi2Component c, const fmi2StatusKind kind IGNORED,
-                                                fmi2Status *value IGNORED)
-{
-    return c == NULL ? fmi2Error : fmi2Discard;
-}
+#define NO_STATUS(NAME, TYPE)                                                                      \
+    STICKSLIP_EXPORT fmi2Status FMI2(NAME)(fmi2Component c, const fmi2StatusKind kind IGNORED,     \
+                                           TYPE *value IGNORED)                                    \
+    {                                                                                              \
+        return c == NULL ? fmi2Error : fmi2Discard;                                                \
+    }
+
+NO_STATUS(fmi2GetStatus, fmi2Status)
+NO_STATUS(fmi2GetIntegerStatus, fmi2Integer)
+NO_STATUS(fmi2GetStringStatus, fmi2String)
 
 STICKSLIP_EXPORT fmi2Status FMI2(fmi2GetRealStatus)(fmi2Component c, const fmi2StatusKind kind,
                                                     fmi2Real *value)
@@ -373,13 +326,6 @@ STICKSLIP_EXPORT fmi2Status FMI2(fmi2GetRealStatus)(fmi2Component c, const fmi2S
     return fmi2OK;
 }
 
-STICKSLIP_EXPORT fmi2Status FMI2(fmi2GetIntegerStatus)(fmi2Component c,
-                                                       const fmi2StatusKind kind IGNORED,
-                                                       fmi2Integer *value IGNORED)
-{
-    return c == NULL ? fmi2Error : fmi2Discard;
-}
-
 STICKSLIP_EXPORT fmi2Status FMI2(fmi2GetBooleanStatus)(fmi2Component c, const fmi2StatusKind kind,
                                                        fmi2Boolean *value)
 {
@@ -389,13 +335,6 @@ STICKSLIP_EXPORT fmi2Status FMI2(fmi2GetBooleanStatus)(fmi2Component c, const fm
     if (!instance_given(it, "fmi2GetBooleanStatus", "value", value)) return fmi2Error;
     *value = 0;
     return fmi2OK;
-}
-
-STICKSLIP_EXPORT fmi2Status FMI2(fmi2GetStringStatus)(fmi2Component c,
-                                                       const fmi2StatusKind kind IGNORED,
-                                                      fmi2String *value IGNORED)
-{
-    return c == NULL ? fmi2Error : fmi2Discard;
 }
 
 #endif

@@ -124,20 +124,16 @@ STICKSLIP_EXPORT fmi3Status FMI3(fmi3EnterInitializationMode)(
     return status_of(instance_enter_initialization(instance));
 }
 
-STICKSLIP_EXPORT fmi3Status FMI3(fmi3ExitInitializationMode)(fmi3Instance instance)
-{
-    return status_of(instance_exit_initialization(instance));
-}
+#define PHASE(NAME, FUNCTION)                                                                      \
+    STICKSLIP_EXPORT fmi3Status FMI3(NAME)(fmi3Instance instance)                                  \
+    {                                                                                              \
+        return status_of(FUNCTION(instance));                                                      \
+    }
 
-STICKSLIP_EXPORT fmi3Status FMI3(fmi3Terminate)(fmi3Instance instance)
-{
-    return status_of(instance_terminate(instance));
-}
-
-STICKSLIP_EXPORT fmi3Status FMI3(fmi3Reset)(fmi3Instance instance)
-{
-    return status_of(instance_reset(instance));
-}
+PHASE(fmi3ExitInitializationMode, instance_exit_initialization)
+PHASE(fmi3Terminate, instance_terminate)
+PHASE(fmi3Reset, instance_reset)
+PHASE(fmi3EnterStepMode, instance_enter_step_mode)
 
 STICKSLIP_EXPORT fmi3Status FMI3(fmi3DoStep)(fmi3Instance instance, fmi3Float64 time,
                                              fmi3Float64 step,
@@ -199,11 +195,6 @@ STICKSLIP_EXPORT fmi3Status FMI3(fmi3UpdateDiscreteStates)(
     /* A solver that is not told so goes on with what it knew of the arc before. */
     *values_changed = *nominals_changed = it->solves;
     return fmi3OK;
-}
-
-STICKSLIP_EXPORT fmi3Status FMI3(fmi3EnterStepMode)(fmi3Instance instance)
-{
-    return status_of(instance_enter_step_mode(instance));
 }
 
 /* Model exchange. */
@@ -333,37 +324,23 @@ static fmi3Status set_none(struct instance *it, const char *call, const struct t
     return status_of(count == 0 || instance_set(it, type, references[0], 0.0));
 }
 
-STICKSLIP_EXPORT fmi3Status FMI3(fmi3GetString)(fmi3Instance instance,
-                                                const fmi3ValueReference references[],
-                                                size_t count, fmi3String values[],
-                                                size_t value_count)
-{
-    return get_none(instance, "fmi3GetString", &String, references, count, values, value_count);
-}
+#define NO_VALUES(NAME, ...)                                                                       \
+    STICKSLIP_EXPORT fmi3Status FMI3(fmi3Get##NAME)(                                               \
+        fmi3Instance instance, const fmi3ValueReference references[], size_t count, __VA_ARGS__    \
+        fmi3##NAME values[], size_t value_count)                                                   \
+    {                                                                                              \
+        return get_none(instance, "fmi3Get" #NAME, &NAME, references, count, values, value_count); \
+    }                                                                                              \
+                                                                                                   \
+    STICKSLIP_EXPORT fmi3Status FMI3(fmi3Set##NAME)(                                               \
+        fmi3Instance instance, const fmi3ValueReference references[], size_t count, __VA_ARGS__    \
+        const fmi3##NAME values[], size_t value_count)                                             \
+    {                                                                                              \
+        return set_none(instance, "fmi3Set" #NAME, &NAME, references, count, values, value_count); \
+    }
 
-STICKSLIP_EXPORT fmi3Status FMI3(fmi3SetString)(fmi3Instance instance,
-                                                const fmi3ValueReference references[],
-                                                size_t count, const fmi3String values[],
-                                                size_t value_count)
-{
-    return set_none(instance, "fmi3SetString", &String, references, count, values, value_count);
-}
-
-STICKSLIP_EXPORT fmi3Status FMI3(fmi3GetBinary)(fmi3Instance instance,
-                                                const fmi3ValueReference references[],
-                                                size_t count, size_t sizes[] IGNORED,
-                                                fmi3Binary values[], size_t value_count)
-{
-    return get_none(instance, "fmi3GetBinary", &Binary, references, count, values, value_count);
-}
-
-STICKSLIP_EXPORT fmi3Status FMI3(fmi3SetBinary)(fmi3Instance instance,
-                                                const fmi3ValueReference references[],
-                                                size_t count, const size_t sizes[] IGNORED,
-                                                const fmi3Binary values[], size_t value_count)
-{
-    return set_none(instance, "fmi3SetBinary", &Binary, references, count, values, value_count);
-}
+NO_VALUES(String, )
+NO_VALUES(Binary, const size_t sizes[] IGNORED, )
 
 /* States. */
 

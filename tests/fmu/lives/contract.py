@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 
 from fmi.model import ModelError
 from fmi.table import Variable
-from tests.driver import DISCARD, ERROR, FATAL, OK, WARNING
+from tests.driver import DISCARD, ERROR, FATAL, OK, WARNING, numbers_as_repr
 from tests.fmu.blocks import spec_named
 from tests.fmu.lives.player import SKIPPED, Call, Outcome
 
@@ -290,7 +290,7 @@ def objection(expected: Expected, outcome: Outcome) -> str:
         due = [True] * expected.warns
         return "" if warned == due else f"logs {messages}, {len(due)} warnings are due"
     text = messages[-1][1].replace("%%", "%") if messages else "nothing"
-    if expected.text not in text or "internal error" in text:
+    if numbers_as_repr(expected.text) not in numbers_as_repr(text) or "internal error" in text:
         return f"logs {text!r}, expected {expected.text!r}"
     return ""
 
