@@ -5,6 +5,7 @@ on what is compared by bits and on random lives, and prints what gcov counted. I
 block and friction law stay below 95 %.
 """
 
+import contextlib
 import gzip
 import json
 import sys
@@ -15,20 +16,24 @@ from pathlib import Path
 
 from stickslip_native.named import HOME
 from stickslip_native.packer import build, sources_of
-from tests.driver import loaded
+from tests.driver import Refused, loaded
 from tests.fmu.lives.master import Master
 from tests.fmu.lives.player import play
 from tests.native.bits import comparisons
 from tests.native.compiling import run, with_library, written
 from tests.native.core import Core, sources
 from tests.native.eventful import differences
+from tests.native.saved import changed
 from tests.native.test_native_model_exchange import of_random_settings, retuned
+from tests.native.test_native_ramps import INPUTS, REST, drawn, ramped
+from tests.native.test_native_states import BELOW_ZERO, IMPOSSIBLE, table_of
 
 LEAST = 95.0
 """Part of the lines and of the branches of block and friction law that must be run [%]."""
 SEQUENCES = {"coulomb": 3_000, "stribeck": 2_000}
 LIVES = 1_000
 EVENTFUL = 20
+RAMPS = 400
 
 _FLAGS = ("-std=c99", "-O0", "--coverage", "-ffp-contract=off", "-fPIC")
 _LINK = ("--coverage", "-shared", "-Wl,-Bsymbolic")
@@ -74,6 +79,23 @@ def try_fmu(folder: Path, law: str) -> None:
     fmu = with_library(sound, library, folder / "counting.fmu")
     masters = [Master("native-2", law, seed) for seed in range(LIVES)]
     play(str(fmu), [[call for call, _ in master.life()] for master in masters])
+    for seed in range(RAMPS):
+        start, given = drawn(law, seed)
+        if law == "coulomb":
+            start["tau_s"] = (seed % 3) * 0.01
+        for times, more in ((1, {}), (3, {"c": 3e4}), (2, {"mu_s": 0.0, "mu_k": 0.0, "mu_1": 0.0})):
+            known = {name: value for name, value in more.items() if name in loaded(fmu).references}
+            with contextlib.suppress(Refused):
+                ramped(loaded(fmu), *given, pieces=times, **start | known)
+    for step, rate in ((-1.0, 1.0), (1.0, -1e6), (1.0, 1e308), (1e4, 1e-3)):
+        with contextlib.suppress(Refused):
+            ramped(loaded(fmu), step, REST, dict.fromkeys(INPUTS, rate), k=1e8, m=1e-4)
+    forged = [(name, value) for name, values in IMPOSSIBLE.items() for value in values]
+    forged += [*((name, -1.0) for name in BELOW_ZERO), ("x_start.low", 1.0), ("wanted.m", 5.0)]
+    for name, value in [*forged, ("mode", 1)]:
+        instance = loaded(fmu).started()
+        with contextlib.suppress(Refused):
+            instance.unpack(changed(instance.pack(), table_of(law), {name: value}))
     loaded(fmu).library.write_counters()
 
 

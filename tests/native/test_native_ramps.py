@@ -109,30 +109,36 @@ def integrated(p: Mapping[str, Any], step: float, inputs: Any, rates: Any) -> li
     return [*state, *found.values()]
 
 
+def drawn(law: str, seed: int) -> tuple[dict[str, Any], tuple[float, Any, Any]]:
+    """Return start values, and length of a step with the inputs and their rates in it."""
+    chance = random.Random(seed)
+    start: dict[str, Any] = {"c": chance.choice([0.0, 0.0, 2.0, 30.0, 100.0])}
+    start |= {"mu_s": chance.uniform(0.3, 0.6)}
+    start |= {"mu_k": chance.uniform(0.05, 0.3), "z_start": chance.choice([0.0, 0.003, -0.002])}
+    start["x_dot_start"] = chance.choice([0.0, 0.0, 0.05, -0.1])
+    if law == "stribeck":
+        start |= {"shape": chance.choice([1, 2, 3]), "v_s": chance.choice([0.01, 0.1])}
+        start["delta"] = chance.choice([1.0, 1.5, 2.0, 3.5])
+        start |= {"n_points": 3, "mu_1": 0.9 * start["mu_s"], "u_2": 0.05, "mu_2": 0.1}
+        start |= {"u_3": 0.2, "mu_3": 0.2}
+    else:
+        start |= {"B": chance.choice([0.0, 0.02]), "t_0": 0.01}
+    step, reach = chance.choice([0.01, 0.1, 0.4]), ((-0.1, 0.2), (-3.0, 5.0), (-1.0, 1.0))
+    inputs, ends = ([chance.uniform(*r) for r in reach] for _ in range(2))
+    move = chance.choice([(1, 1, 1), (1, 0, 0), (0, 1, 0), (0, 0, 1)])
+    rates = [m * (b - a) / step for m, a, b in zip(move, inputs, ends, strict=True)]
+    given = dict(zip(INPUTS, inputs, strict=True)), dict(zip(INPUTS, rates, strict=True))
+    return start, (step, *given)
+
+
 @pytest.mark.parametrize("law", ["coulomb", "stribeck"])
 def test_the_motion_is_that_of_the_equations(law: str, sized: Sized) -> None:
+    fmu = loaded(built("native-2", law))
     for seed in range(sized(200)):
-        chance = random.Random(seed)
-        start: dict[str, Any] = {"c": chance.choice([0.0, 0.0, 2.0, 30.0, 100.0])}
-        start |= {"mu_s": chance.uniform(0.3, 0.6)}
-        start |= {"mu_k": chance.uniform(0.05, 0.3), "z_start": chance.choice([0.0, 0.003, -0.002])}
-        start["x_dot_start"] = chance.choice([0.0, 0.0, 0.05, -0.1])
-        if law == "stribeck":
-            start |= {"shape": chance.choice([1, 2, 3]), "v_s": chance.choice([0.01, 0.1])}
-            start["delta"] = chance.choice([1.0, 1.5, 2.0, 3.5])
-            start |= {"n_points": 3, "mu_1": 0.9 * start["mu_s"], "u_2": 0.05, "mu_2": 0.1}
-            start |= {"u_3": 0.2, "mu_3": 0.2}
-        else:
-            start |= {"B": chance.choice([0.0, 0.02]), "t_0": 0.01}
-        step, reach = chance.choice([0.01, 0.1, 0.4]), ((-0.1, 0.2), (-3.0, 5.0), (-1.0, 1.0))
-        inputs, ends = ([chance.uniform(*r) for r in reach] for _ in range(2))
-        move = chance.choice([(1, 1, 1), (1, 0, 0), (0, 1, 0), (0, 0, 1)])
-        rates = [m * (b - a) / step for m, a, b in zip(move, inputs, ends, strict=True)]
-        given = dict(zip(INPUTS, inputs, strict=True)), dict(zip(INPUTS, rates, strict=True))
-        fmu = loaded(built("native-2", law))
-        right = pytest.approx(integrated(start, step, *given), rel=2e-9, abs=1e-11)
-        assert ramped(fmu, step, *given, **start) == right, seed
-        assert ramped(fmu, step, *given, pieces=7, **start) == right, seed
+        start, given = drawn(law, seed)
+        right = pytest.approx(integrated(start, *given), rel=2e-9, abs=1e-11)
+        assert ramped(fmu, *given, **start) == right, seed
+        assert ramped(fmu, *given, pieces=7, **start) == right, seed
 
 
 def test_a_long_ramp_is_what_many_held_steps_go_to() -> None:
