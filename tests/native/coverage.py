@@ -8,6 +8,7 @@ block and friction law stay below 95 %.
 import contextlib
 import gzip
 import json
+import math
 import sys
 import tempfile
 from collections import Counter
@@ -25,7 +26,7 @@ from tests.native.core import Core, sources
 from tests.native.eventful import differences
 from tests.native.saved import changed
 from tests.native.test_native_model_exchange import of_random_settings, retuned
-from tests.native.test_native_ramps import INPUTS, REST, drawn, ramped
+from tests.native.test_native_ramps import INPUTS, REST, drawn, moving, ramped
 from tests.native.test_native_states import BELOW_ZERO, IMPOSSIBLE, table_of
 
 LEAST = 95.0
@@ -90,6 +91,10 @@ def try_fmu(folder: Path, law: str) -> None:
     for step, rate in ((-1.0, 1.0), (1.0, -1e6), (1.0, 1e308), (1e4, 1e-3)):
         with contextlib.suppress(Refused):
             ramped(loaded(fmu), step, REST, dict.fromkeys(INPUTS, rate), k=1e8, m=1e-4)
+    for time in (math.inf, 1e308):
+        instance = loaded(fmu).started(k=1e300)
+        moving(instance, {"v": 1.0})
+        instance.status("DoStep", time, 1e300, 1)
     forged = [(name, value) for name, values in IMPOSSIBLE.items() for value in values]
     forged += [*((name, -1.0) for name in BELOW_ZERO), ("x_start.low", 1.0), ("wanted.m", 5.0)]
     for name, value in [*forged, ("mode", 1)]:
