@@ -339,6 +339,9 @@ class Verdict:
     tables: Sequence[Table] = ()
     questions: Sequence[Question] = ()
 
+    def __repr__(self) -> str:
+        return f"<Verdict: {self.summary}>"
+
     @property
     def exact(self) -> bool:
         """Whether the FMU is held to the exact contract."""
