@@ -19,6 +19,8 @@ from .platforms import current
 from .table import table_files
 
 _FILES = ("core/*.[ch]", "face/text.[ch]", "face/export.h", "batch/*.c")
+_BESIDE = ("continuous.c", "ramp.c")
+"""Sources of the core that first slips do not need."""
 _REASON_SIZE = 512
 
 
@@ -135,6 +137,7 @@ def _function(law: str) -> Any:
     spec, own = native_law(law)
     sources = {name: text.encode() for name, text in table_files(spec).items()}
     files = [file for pattern in _FILES for file in HOME.glob(pattern)]
+    files = [file for file in files if file.name not in _BESIDE]
     sources.update((file.name, file.read_bytes()) for file in (*files, *own))
     target = current()
     compiler = _compiler()
