@@ -10,6 +10,7 @@
 
 #include <float.h>
 #include <stddef.h>
+#include <string.h>
 
 static const struct type Float32 = {"Float32", 0, false};
 static const struct type Float64 = {"Float64", 1u << SORT_REAL, true};
@@ -151,10 +152,13 @@ STICKSLIP_EXPORT fmi3Status FMI3(fmi3DoStep)(fmi3Instance instance, fmi3Float64 
         !instance_given(it, "fmi3DoStep", "lastSuccessfulTime", last_successful_time))
         return fmi3Error;
     *event_handling_needed = *terminate_simulation = *early_return = false;
+    if (it->gathers)
+        return status_of(instance_fail(it, "fmi3DoStep is not allowed in an intermediate update"));
     if (it->update != NULL && !it->failed) {
         /* The importer sets inputs to what they are at the end of the step. */
         fmi3Boolean requested = false;
         fmi3Float64 until = time + step;
+        memset(it->gathered, 0, sizeof it->gathered);
         it->gathers = true;
         ((fmi3IntermediateUpdateCallback)it->update)(it->environment, until, true, false, false,
                                                      false, &requested, &until);

@@ -319,12 +319,16 @@ bool instance_set_rates(struct instance *it, const char *call, const uint32_t re
 static enum refusal advance(struct instance *it, double time, double step)
 {
     double ends[MOVING];
+    bool moving = false;
     if (it->ready) return block_advance(&it->now.block, time, step);
-    for (int n = 0; n < MOVING; n++)
-        ends[n] = it->gathered[n] ? it->ends[n]
-                                  : *value_of(&it->now.block.wanted, &ROWS[MOVES[n]]) +
-                                        it->now.rates[n] * step;
-    const enum refusal refused = ramp_advance(&it->now.block, time, step, ends);
+    for (int n = 0; n < MOVING; n++) {
+        const double from = *value_of(&it->now.block.wanted, &ROWS[MOVES[n]]);
+        ends[n] = it->gathered[n] ? it->ends[n] : from + it->now.rates[n] * step;
+        moving = moving || ends[n] != from;
+    }
+    /* Inputs that stay keep the arc whole. */
+    const enum refusal refused = moving ? ramp_advance(&it->now.block, time, step, ends)
+                                        : block_advance(&it->now.block, time, step);
     if (refused != ACCEPTED) return refused;
     it->now.moves = false;
     memset(it->now.rates, 0, sizeof it->now.rates);
@@ -823,6 +827,7 @@ bool instance_set_state(struct instance *it, const void *handle)
                                  "round");
     it->now = *kept;
     it->ready = it->failed = false;
+    memset(it->gathered, 0, sizeof it->gathered);
     return true;
 }
 
