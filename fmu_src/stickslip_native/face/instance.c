@@ -609,6 +609,16 @@ bool instance_set(struct instance *it, const struct type *type, uint32_t referen
                  row->name);
         return instance_fail(it, reason);
     }
+    if (it->now.solved && it->now.phase == CONTINUOUS) {
+        /* Some importers set states one by one. */
+        static const enum reference STATE_ROWS[STATES] = {VR_x, VR_x_dot, VR_z, VR_W_pull,
+                                                          VR_Q_friction};
+        for (int n = 0; n < STATES; n++)
+            if (reference == (uint32_t)STATE_ROWS[n] && isfinite(value)) {
+                it->now.of.solver.states[n] = value;
+                return true;
+            }
+    }
     if (!row->settable) {
         /* Before the start an importer may write back the start values that it read. */
         if (!runs && row->has_start && value == row->start) return true;
