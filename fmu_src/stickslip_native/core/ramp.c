@@ -229,7 +229,7 @@ static bool agrees(const struct walk *it, const struct ramped *piece)
     const double against = resistance(it, &piece->part, ratio, speed, &together);
     const double defect = net - against - it->m / piece->scale * slope;
     return fabs(defect) <= DEFECT * (fabs(it->net) + fabs(net) + together +
-                                     it->unit.kinetic * (it->ratio + ratio));
+                                     it->unit.kinetic * (fabs(it->ratio) + fabs(ratio)));
 }
 
 /* Find where a piece ends, and how. */
@@ -396,7 +396,10 @@ enum refusal ramp_advance(struct block *block, double time, double step, const d
     enum refusal refused = set_out(&walk, block, time, step, ends);
     for (int n = 0; n < MOVING; n++) block_set(block, MOVES[n], ends[n]);
     if (refused == ACCEPTED) refused = block_check(block);
-    for (long pieces = 0; walk.left > 0.0 && refused == ACCEPTED; pieces++) {
+    /* What is left below rounding is nothing: where force and friction reach 0 at the end, the mass
+     * would stick and slip in it without end. */
+    const double nothing = 4.0 * DBL_EPSILON * step;
+    for (long pieces = 0; walk.left > nothing && refused == ACCEPTED; pieces++) {
         refused = walk.mode == 0 ? pass_stick(&walk) : pass_slip(&walk);
         if (pieces == MOST_PIECES) {
             *block = entry;
