@@ -14,6 +14,10 @@ const enum reference MOVES[MOVING] = {VR_v, VR_load, VR_F_ext};
 static const double TAIL = 8.881784197001252e-16;
 /* What the slope of the speed may differ from the forces, relative to them: 2^-47. */
 static const double DEFECT = 7.105427357601002e-15;
+/* How far a speed that two bands hand to each other goes on in one, relative to it: 2^-46. */
+static const double EDGE = 1.4210854715202004e-14;
+/* Pieces are of no length if so short beside what is left of the step: 2^-30. */
+static const double BRIEF = 9.313225746154785e-10;
 static const double SHORTER = 0.8, QUICKER = 1048576.0;
 /* Length of a piece of a growth in stick, as parts of its time constant and of t_0 and its age. */
 static const double EXPONENTIAL = 2.0, LOGARITHM = 0.2, OVER = 40.0;
@@ -34,6 +38,7 @@ struct walk {
     double z, x_dot, age;
     double net;  /* on the mass along a slip, with the friction at standstill [N] */
     bool rises;  /* whether the speed of a slip goes up */
+    int stuck;   /* how many pieces in a row had no length */
 };
 
 /* A piece of a slip in the time s = t/scale, along its direction. */
@@ -237,6 +242,8 @@ static void find_end(const struct walk *it, struct ramped *piece)
 {
     const struct band *band = &piece->part.band;
     double end = reach_of(it, piece), zero, edge[TERMS];
+    /* Where the forces balance at an end of two bands, rounding would have each hand it on. */
+    const double beyond = it->stuck < 2 ? 0.0 : EDGE;
     for (int trial = 0; trial < MOST_TRIALS; trial++) {
         piece->end = end;
         piece->how = GOES_ON;
@@ -245,13 +252,13 @@ static void find_end(const struct walk *it, struct ramped *piece)
             piece->how = STOPS;
         }
         for (int j = 0; j < TERMS; j++) edge[j] = piece->speeds[j];
-        edge[0] -= band->low;
+        edge[0] -= band->low * (1.0 - beyond);
         if (band->low > 0.0 && falls_to_zero(edge, TERMS, piece->end, &zero)) {
             piece->end = zero;
             piece->how = LEAVES_DOWN;
         }
         for (int j = 0; j < TERMS; j++) edge[j] = -piece->speeds[j];
-        edge[0] += band->high;
+        edge[0] += band->high * (1.0 + beyond);
         if (band->high < HUGE_VAL && falls_to_zero(edge, TERMS, piece->end, &zero)) {
             piece->end = zero;
             piece->how = LEAVES_UP;
@@ -344,6 +351,7 @@ static enum refusal pass_slip(struct walk *it)
     it->z += growth;
     it->net = net;
     it->rises = piece.how != LEAVES_DOWN;
+    it->stuck = tau > BRIEF * left ? 0 : it->stuck + 1;
     move(it, tau);
     if (piece.how == STOPS)
         rest(it);
