@@ -374,8 +374,12 @@ def _add_equations(
         if name in equations.depends and output.tag in ("Output", "Unknown"):
             output.set("dependencies", unknown("Output", name).attrib["dependencies"])
     derivatives = [unknown("ContinuousStateDerivative", name) for name in equations.states.values()]
+    settable = " ".join(str(numbers[row.name]) for row in table.rows if row.settable)
     starts = [
-        Element("Unknown" if face == 2 else "InitialUnknown", {key: str(numbers[name])})
+        Element(
+            "Unknown" if face == 2 else "InitialUnknown",
+            {key: str(numbers[name]), "dependencies": settable},
+        )
         for name in equations.states.values()
         if name in equations.local
     ]

@@ -179,7 +179,7 @@ def in_c(fmu: Path, **macros: float) -> Path:
 
 
 _MACROS = {"NOMINAL": 1.0, "FRICTION": 1.0, "CREEP": 0.0}
-_MACROS |= dict.fromkeys(("STEPS", "BLINDLY", "STATUS", "AGAIN", "BEHIND"), 0)
+_MACROS |= dict.fromkeys(("STEPS", "BLINDLY", "STATUS", "AGAIN", "BEHIND", "SILENT"), 0)
 
 
 def solved(**macros: float) -> Path:

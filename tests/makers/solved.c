@@ -2,7 +2,8 @@
 
    NOMINAL is the nominal value of its states, FRICTION a factor on friction in slip, CREEP a speed in
    stick. It finds events by an indicator, by STEPS when one of the solver is over, or BLINDLY not.
-   STATUS is that of derivatives after 50 ms; it wants its states updated AGAIN, events BEHIND it. */
+   STATUS is that of derivatives after 50 ms; it wants its states updated AGAIN, events BEHIND it, and
+   is SILENT of states that change. */
 #include <math.h>
 #include <stdlib.h>
 
@@ -74,7 +75,7 @@ int fmi2NewDiscreteStates(struct slider *it, int *info) {
     if (it->mode && it->mode * of[X_DOT] <= 1e-11) {
         of[X_DOT] = 0.0;
         it->mode = 0;
-        info[3] = 1;
+        info[3] = !SILENT;
     }
     const double towards = along != 0.0 ? along : of[V];
     if (!it->mode && fabs(along) >= most * (1.0 - 1e-11) && (towards * of[V] > 0.0 || fabs(along) > most))

@@ -230,6 +230,9 @@ def test_a_load_may_lift_the_mass_to_no_weight_and_no_further() -> None:
     # The force falls to nothing, and the spring pulls it along before.
     assert found[0] > 0.0
     assert found[5] == 0
+    # The rate of a load that ends in rounding below the weight.
+    rate = {"v": 0.0, "load": (-9.81 - 3.7) / 0.3, "F_ext": 0.0}
+    assert ramped(fmu, 0.3, {**REST, "load": 3.7}, rate)[5] == 0
     with pytest.raises(Refused, match="lifts off"):
         ramped(fmu, 0.1, REST, {"v": 0.0, "load": -98.2, "F_ext": 0.0})
 

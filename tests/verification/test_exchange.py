@@ -54,6 +54,7 @@ def test_a_right_block_is_right_and_accurate_when_it_is_solved(
         ("BLINDLY", 1, False, "events are found late or never"),
         ("STATUS", 3, False, "failed: without a message (status error)"),
         ("AGAIN", 1, False, "updates its discrete states without an end at t = 0.0"),
+        ("SILENT", 1, False, "changes its continuous states and does not say so"),
         ("BEHIND", 1, False, "has events without an end at t = 0.0"),
     ],
 )

@@ -326,6 +326,9 @@ static enum refusal advance(struct instance *it, double time, double step)
         ends[n] = it->gathered[n] ? it->ends[n] : from + it->now.rates[n] * step;
         moving = moving || ends[n] != from;
     }
+    /* A rate cannot name the load that lifts the mass but to rounding. */
+    const double weight = it->now.block.wanted.m * it->now.block.wanted.g;
+    if (!it->gathered[1] && fabs(ends[1] + weight) <= 8.0 * DBL_EPSILON * weight) ends[1] = -weight;
     /* Inputs that stay keep the arc whole. */
     const enum refusal refused = moving ? ramp_advance(&it->now.block, time, step, ends)
                                         : block_advance(&it->now.block, time, step);

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping
+from ctypes import c_double
 from types import SimpleNamespace
 from typing import Any, ClassVar, Final, Literal
 
@@ -146,12 +147,20 @@ class SolvedInstance(FmuInstance):
 
     def _update(self) -> None:
         for _ in range(_MOST_EVENTS):
-            again, ends, *_, told, time = getattr(self._slave, self.CALLS[1])()
+            before = self._states()
+            again, ends, _, moved, told, time = getattr(self._slave, self.CALLS[1])()
             self._refuse(ends, "ends the simulation")
+            silent = self._solver is not None and not moved and self._states() != before
+            self._refuse(silent, "changes its continuous states and does not say so")
             if not again:
                 break
         self._refuse(again, "updates its discrete states without an end")
         self._due = time if told else math.inf
+
+    def _states(self) -> list[float]:
+        values = (c_double * self._sizes[0])()
+        self._slave.getContinuousStates(values, len(values))
+        return list(values)
 
     def _refuse(self, so: bool, what: str) -> None:
         if so:
