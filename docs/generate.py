@@ -20,10 +20,22 @@ from rules_of_thumb import pages
 from fmi.model import Spec
 from fmi.table import Variable
 from stickslip import build
-from stickslip_design.axis.keys import BY_SECTION, SECTIONS
-from stickslip_design.axis.read import example
+from stickslip_design.axis import Axis, axis_file_of, example
+from stickslip_design.axis.keys import BY_SECTION, KEYS, SECTIONS
+from stickslip_design.loop.critical import critical_feed
+from stickslip_design.loop.rest import hunting
+from stickslip_design.measures.catalogue import (
+    ESTIMATE,
+    Condition,
+    Measure,
+    Move,
+    catalogue,
+    sources,
+)
+from stickslip_design.measures.moving import applies, with_measure
 from stickslip_fmu.laws.named import BUILT_IN, COULOMB_NAME, friction_law
 from stickslip_fmu.spec import TABLE, spec_of
+from stickslip_units import EXACT, NONE, shown_in, told
 from stickslip_verification import (
     Meaning,
     load_cases,
@@ -57,6 +69,7 @@ def main() -> None:
             "verdict.md": document(verdict(Path(folder), reports)),
             "checks.md": document(checks()),
             "axis-file.md": document(axis_file()),
+            "cures.md": document(cures()),
             **pages(),
         }
     if "--check" in sys.argv:
@@ -154,6 +167,78 @@ The axis of [feed-axis.md](feed-axis.md):
             meaning = key.meaning + (f" With `{key.needs}` only." if key.goes_with else "")
             taken = ": ".join(filter(None, (key.taken, key.reason)))
             yield f"| {name} | `{key.example}` | {marks} | {meaning} | {taken} |"
+
+
+_OF = {
+    "critical_feed": "the critical feed",
+    "hunting.dead_band": "the smallest dead band that ends hunting",
+}
+
+
+def cures() -> Iterator[str]:
+    """Give the lines of the page of measures: cures.md.in with the catalogue."""
+    axis = axis_file_of(example()).axis()
+    limit, hunts = _left(axis)
+    rows = [
+        "| name | measure | effort | moves | jumps up to [mm/s] | hunts by [µm] |",
+        "|---|---|---|---|---|---|",
+    ]
+    terms = [
+        "| name | goes with, and needs | costs | does not help |",
+        "|---|---|---|---|",
+    ]
+    for name, one in catalogue().items():
+        moves = "<br>".join(_move(move) for move in one.moves) or "the way to the feed"
+        left = " | ".join(_tried(one, axis))
+        rows.append(f"| `{name}` | {one.name} | {one.effort} | {moves} | {left} |")
+        needs = "; ".join((*(map(_condition, one.when)), *filter(None, (one.needs,))))
+        terms.append(f"| `{name}` | {needs} | {one.costs} | {one.idle} |")
+    yield from (HERE / "cures.md.in").read_text(encoding="utf-8").rstrip().format(
+        before=limit, hunting=hunts, catalogue="\n".join(rows), terms="\n".join(terms),
+        sources="\n".join(f"- **{name}**: {text}" for name, text in sources().items()),
+    ).splitlines()  # fmt: skip
+
+
+def _left(axis: Axis) -> tuple[str, str]:
+    """Give up to which feed an axis jumps [mm/s], and by how much it hunts [µm]."""
+    feed, cycle = critical_feed(axis), hunting(axis)
+    assert axis.drive is not None
+    ends = cycle is None or cycle.dead_band <= axis.drive.dead_band
+    hunts = "no" if cycle is None or ends else f"{cycle.jump * 1e6:.1f}"
+    return shown_in(feed, "m/s") if feed else "never", hunts
+
+
+def _tried(one: Measure, axis: Axis) -> tuple[str, str]:
+    cycle = hunting(axis)
+    now = {
+        "critical_feed": critical_feed(axis),
+        "hunting.dead_band": cycle.dead_band if cycle else 0.0,
+    }
+    with_it = with_measure(axis, one, one.steps - 1, now) if applies(one, axis) else None
+    return (NONE, NONE) if with_it is None or one.effort == "program" else _left(with_it)
+
+
+def _move(move: Move) -> str:
+    key, name = KEYS[move.key], move.key.partition(".")[2]
+    texts = [
+        f"{value:.3g}" if isinstance(value, float) and (move.how == "scale" or move.of)
+        else told(value, key.units[0], EXACT) if isinstance(value, float)
+        else value
+        for value in move.values
+    ]  # fmt: skip
+    sign = {"set": "=", "scale": "×", "add": "+"}[move.how]
+    of = f" × {_OF.get(move.of, move.of.rpartition('.')[2])}" if move.of else ""
+    source = ESTIMATE if move.source == ESTIMATE else f"[{move.source}]"
+    said = "; ".join(filter(None, (move.range, source)))
+    return f"`{name}` {sign} {' or '.join(texts)}{of} ({said})"
+
+
+def _condition(one: Condition) -> str:
+    name = one.key.partition(".")[2]
+    if one.text:
+        return f'`{name} = "{one.text}"`'
+    ends = (("above", one.above), ("below", one.below))
+    return f"`{name}` {' and '.join(f'{side} {end:g}' for side, end in ends if end is not None)}"
 
 
 def _other_interface(law: str, spec: Spec) -> Iterator[str]:

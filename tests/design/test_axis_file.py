@@ -29,7 +29,8 @@ DRIVE = {
     "pitch": '"10 mm"', "inertia": '"60 kg cm2"', "K_v": '"25 1/s"', "bandwidth": '"300 1/s"',
     "rated_torque": '"11 N m"',
 }  # fmt: skip
-SECTION_OF = {key.name: key.section for key in KEYS.values() if key.section != "drive.filter"}
+OTHERS = ("drive.filter", "limits")
+SECTION_OF = {key.name: key.section for key in KEYS.values() if key.section not in OTHERS}
 SECTION_OF["kind"] = "drive"
 EXCLUDED = {
     "F_s": ["mu_s"], "F_k": ["mu_k"], "velocity_gain": ["bandwidth"], "curve": ["mu_s", "mu_k"],
@@ -101,7 +102,8 @@ def test_the_template_is_read_and_has_an_example_of_every_key() -> None:
         line = f"{key.name} = {key.example}"
         assert re.search(rf"^(# )?{re.escape(line)}$", text, re.MULTILINE)
         if key.section != "drive.filter" and key.name != "curve":
-            read = axis_file_of(written(NEEDED.get(key.name, "") + line)).axis()
+            place = "[limits]\n" if key.section == "limits" else NEEDED.get(key.name, "")
+            read = axis_file_of(written(place + line)).axis()
             assert not (key.reason and key.path in {each.key for each in read.assumed})
 
 

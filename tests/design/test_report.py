@@ -31,18 +31,15 @@ def words_in(page: str) -> str:
 
 
 @pytest.mark.gate
-def test_the_answer_comes_first_and_names_the_smallest_change_of_each_aim() -> None:
+def test_the_answer_comes_first_and_names_the_measure_of_least_effort() -> None:
     first = words_in(page("juddering").partition("</header>")[0])
     for words in (
         "X axis judders At 30 mm/min this axis jumps 18.4 µm",
         "1.55 mm/s (93.0 mm/min); 0.859 to 2.39 mm/s within the ± of the file",
         "0.322 at the slowest feed, 0.5 mm/s (30 mm/min)",
-        "no jump at the slowest feed: smaller gap, mu_s 0.2 → 0.1661",
-        "a jump that is allowed: stiffer, stiffness 40 → 196.4 N/µm",
+        "Least effort: way oil with friction modifier (part).",
     ):
         assert words in first
-    # A faster feed is what is asked for.
-    assert not re.search("faster|lighter", first)
     words = words_in(page("unstable"))
     assert words.index("The loop: unstable") < words.index("Numbers of the axis")
     assert "Operating points" not in words
@@ -118,7 +115,7 @@ def test_json_keeps_all_digits_of_a_number() -> None:
     found = data(verdict)
     assert verdict.hunting is not None
     assert found["hunting"] == verdict.hunting._asdict()
-    assert float(found["cures"][-2]["effort"]) == math.inf
+    assert float(found["cures"][-1]["effort"]) == math.inf
     gain = found["responses"][0]["gain"]
     together = np.array(gain["real"]) + 1j * np.array(gain["imag"])
     assert np.array_equal(together, verdict.responses[0].gain)

@@ -15,7 +15,6 @@ from stickslip.systems import Move
 from stickslip_design.axis import Axis, axis_file_of, example, read_axis_file
 from stickslip_design.axis.keys import KEYS
 from stickslip_design.loop.critical import critical_feed
-from stickslip_design.loop.rest import hunting
 from stickslip_design.report.tables import standing
 from stickslip_design.study import design
 from stickslip_ref import Parameters, steady_cycle
@@ -98,18 +97,6 @@ def rows(page: str, heading: str) -> list[list[str]]:
     _, _, rest = PAGES[page].partition(f"| {heading} |")
     body = rest.partition("\n\n")[0].splitlines()[2:]
     return [[cell.strip("| ") for cell in line.strip("|").split(" | ")] for line in body]
-
-
-@pytest.mark.parametrize("row", rows("cures", "cure"), ids=lambda row: row[0])
-def test_a_cure_does_what_the_catalogue_says(row: list[str]) -> None:
-    *_, tried, limit, hunts = row
-    axis = changed(example(), tried)
-    feed = critical_feed(axis)
-    assert limit == (f"{feed * 1e3:#.3g}" if feed else "never")
-    cycle = hunting(axis)
-    assert axis.drive is not None
-    ended = cycle is None or axis.drive.dead_band > cycle.dead_band
-    assert hunts == ("no" if ended or cycle is None else f"{cycle.jump * 1e6:.1f}")
 
 
 @pytest.mark.parametrize("row", rows("design", "not on the sheet")[:-1], ids=lambda row: row[0])

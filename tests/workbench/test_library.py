@@ -148,7 +148,7 @@ def test_the_script_of_the_readme_does_what_its_commands_do(tmp_path: Path) -> N
 def test_a_dash_is_standard_input_and_standard_output(tmp_path: Path) -> None:
     words = ("-m", "stickslip", "design", "-", "-o", "axis.html", "--json", "-")
     done = python(*words, cwd=tmp_path, input=WRITTEN)
-    assert json.loads(done.stdout)["format"] == 2
+    assert json.loads(done.stdout)["format"] == 3
     assert (tmp_path / "axis.html").is_file()
 
 

@@ -205,7 +205,7 @@ def test_a_design_is_a_summary_a_report_and_json(
     assert "critical feed: 3.41 mm/s (204 mm/min)" in out
     assert "stiffer (c held) " in out
     assert "stiffer (zeta held) " in out
-    assert "(not by a factor of 30): lighter" in out
+    assert "lighter, not by a factor of 30" in out
     assert lines[-1] == "report: axis.html, axis.json"
     written = Path("axis.html").read_text(encoding="utf-8")
     assert "stiffer" in written

@@ -3,42 +3,25 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from typing import Final
 
-from scipy.optimize import brentq
-
-from .axis import Axis, Drive
-from .loop.critical import (
-    critical_feed,
-    damped,
-    estimated_critical_feed,
-    judders,
-    jumps_of,
-    rigid_critical_feed,
-)
-from .loop.jumps import limit_of_jumps
+from .axis import Axis
+from .loop.critical import critical_feed, damped, judders, jumps_of
 from .loop.stability import is_stable
+from .measures.moving import with_number
 from .verdict import AxisCure
 
-_FARTHEST: Final = 30.0
-"""The largest factor by which a number is moved."""
-_APART: Final = 4.0
-"""What the bandwidth of the velocity loop is above the position gain at least."""
-_FINER: Final = 1.08
-"""From factor to factor of the search by the estimate."""
-_COARSE: Final = 1.5
-_CLOSE_BY_SIDE: Final = 1e-7
-"""The same, and how close the factor is found, where a law has no closed form."""
+_GAP: Final = 30.0
+_STIFFER: Final = 3.0
+_ZETA: Final = 0.2
+_LIGHTER: Final = 1.25
+"""The largest factors of gap, stiffness and mass (20 % less), and the largest damping ratio: beyond
+them nothing exists that could be ordered."""
 _CLOSE: Final = 2e-3
-"""How close the factor with a drive is found, relative."""
-_MOST: Final = 12
-_BEYOND: Final = 1.5
-"""How far above the feed a critical feed is looked for; beyond it is only "too high"."""
-
-_HEAVY: Final = 1.25
-"""A mass changed by more than this, 20 % less, is a change that hardly an axis allows."""
+_CLOSE_BY_SIDE: Final = 1e-7
+"""How close a factor is found, relative, with a drive and on a rigid one."""
 
 END: Final = "no jump at the slowest feed"
 BELOW: Final = "a jump that is allowed"
@@ -60,8 +43,10 @@ class Lever:
     held: str = ""
     lowest: float = 0.0
     """The end of its range downwards."""
-    farthest: float = _FARTHEST
+    farthest: float = _GAP
     """The largest factor by which it is moved."""
+    end: str = ""
+    """What that is, in words."""
 
     def at(self, factor: float) -> Axis:
         """Return the axis with the number moved by a factor above 1, up or down."""
@@ -75,7 +60,7 @@ class Lever:
 
     def cure(self, factor: float | None, aim: str) -> AxisCure:
         """Return the cure by a factor; None: by no factor that it is moved by."""
-        note = "" if factor is not None else f"not by a factor of {self.farthest:.3g}"
+        note = "" if factor is not None else f"beyond what exists: {self.end}"
         then = None if factor is None else self.value(factor)
         effort = math.inf if factor is None else factor
         what = self.name, self.number, self.unit, self.now
@@ -90,111 +75,70 @@ def levers(axis: Axis) -> Iterator[Lever]:
     def static(value: float) -> Axis:
         return replace(axis, friction=replace(friction, mu_s=value / normal if newtons else value))
 
-    def mass(m: float) -> Axis:
-        lighter = replace(axis, m=m)
-        less = normal / lighter.normal_force if newtons else 1.0
-        held = replace(friction, mu_s=friction.mu_s * less, mu_k=friction.mu_k * less)
-        return replace(lighter, friction=held)
-
     # The static friction of a measured curve is bound to its first point.
     if not friction.is_curve:
         number, unit = ("F_s", "N") if newtons else ("mu_s", "1")
         now, least = (axis.F_s, axis.F_k) if newtons else (friction.mu_s, friction.mu_k)
-        yield Lever("smaller gap", number, unit, False, now, static, "kinetic friction", least)
-    stiffer = Lever("stiffer", "stiffness", "N/m", True, axis.k, lambda k: replace(axis, k=k), "c")
-    yield stiffer
-    if zeta > 0.0:
-        yield replace(stiffer, moved=lambda k: damped(stiffer.moved(k), zeta), held="zeta")
-        yield Lever("more damping", "c", "N.s/m", True, axis.c, lambda c: replace(axis, c=c))
-    held = "c, load and friction" if newtons else "c and load"
-    yield Lever("lighter", "mass", "kg", False, axis.m, mass, held)
-    if axis.drive is not None:
-        yield from _levers_of_drive(axis, axis.drive)
-
-
-def _levers_of_drive(axis: Axis, drive: Drive) -> Iterator[Lever]:
-    shape = drive.T_n * drive.bandwidth
-    # Position and velocity loop stay apart, where they are.
-    apart = drive.bandwidth / (_APART * drive.K_v) if drive.K_v > 0.0 else math.inf
-    near = min(apart, _FARTHEST) if apart > 1.0 else _FARTHEST
-
-    def with_drive(**changes: float) -> Axis:
-        return replace(axis, drive=replace(drive, **changes))  # type: ignore[arg-type]
-
-    held = "T_n times the bandwidth" if shape > 0.0 else ""
-    position = Lever("position gain", "K_v", "1/s", True, drive.K_v, lambda g: with_drive(K_v=g))
-    velocity = Lever(
-        "bandwidth", "bandwidth", "1/s", True, drive.bandwidth,
-        lambda w: with_drive(bandwidth=w, T_n=shape / w), held,
+        yield Lever(
+            "smaller gap", number, unit, False, now, static, "kinetic friction", least,
+            end=f"a gap {_GAP:g} times smaller",
+        )  # fmt: skip
+    stiffer = Lever(
+        "stiffer", "stiffness", "N/m", True, axis.k, lambda k: replace(axis, k=k), "c",
+        farthest=_STIFFER, end=f"{_STIFFER:g} times the stiffness",
     )  # fmt: skip
-    integral = Lever("integral time", "T_n", "s", True, drive.T_n, lambda T_n: with_drive(T_n=T_n))
-    for lever, up, word, farthest in (
-        (position, False, "lower", _FARTHEST),
-        (velocity, False, "lower", near),
-        (position, True, "higher", near),
-        (velocity, True, "higher", _FARTHEST),
-        (integral, False, "shorter", _FARTHEST),
-        (integral, True, "longer", _FARTHEST),
-    ):
-        if lever.now > 0.0:
-            yield replace(lever, name=f"{word} {lever.name}", up=up, farthest=farthest)
+    lighter = Lever(
+        "lighter", "mass", "kg", False, axis.m, lambda m: with_number(axis, "axis.mass", m),
+        "c, load and friction" if newtons else "c and load",
+        farthest=_LIGHTER, end="20 % less mass",
+    )  # fmt: skip
+    yield limited(stiffer, axis.limits)
+    if zeta > 0.0:
+        fixed = replace(stiffer, moved=lambda k: damped(stiffer.moved(k), zeta), held="zeta")
+        yield limited(fixed, axis.limits)
+    if 0.0 < zeta < _ZETA:
+        more = Lever("more damping", "c", "N.s/m", True, axis.c, lambda c: replace(axis, c=c))
+        yield replace(more, farthest=_ZETA / zeta, end=f"a damping ratio of {100.0 * _ZETA:g} %")
+    yield limited(lighter, axis.limits)
 
 
-def cures(axis: Axis, feed: float, now: float, aim: str = END) -> tuple[AxisCure, ...]:
+def limited(lever: Lever, limits: Mapping[str, tuple[float, float]]) -> Lever:
+    """Return a lever that ends at the `[limits]` of an axis, where they are nearer."""
+    low, high = limits.get(lever.number, (0.0, math.inf))
+    farthest = high / lever.now if lever.up else lever.now / low if low > 0.0 else math.inf
+    if farthest >= lever.farthest:
+        return lever
+    return replace(lever, farthest=max(farthest, 1.0), end="the [limits] of the file")
+
+
+def cures(axis: Axis, feed: float, aim: str = END) -> tuple[AxisCure, ...]:
     """Return how far each number must move till an axis moves evenly at a feed.
 
     Where a largest jump is asked for, also how far to bring the jump down to it. The axis jumps or
-    swings at the feed [m/s], above 0, and up to `now` [m/s]; `aim` says what the changes are for.
-
-    The smallest change first; those that do not help last, and before them a mass that hardly an
-    axis allows. Of a number that could move both ways or be held in two ways, each is there.
+    swings at the feed [m/s], above 0; `aim` says what the changes are for. The smallest change
+    first; those that do not help within what exists last.
     """
-    # Jumps at slow feeds are carried up to the feed; others are followed there.
-    servo = axis.drive is not None and axis.friction.law == "coulomb"
-    carried = servo and limit_of_jumps(axis, feed).feed >= feed
-    found = [lever.cure(_end(lever, feed, now, carried), aim) for lever in levers(axis)]
-    then, note = (now, "") if now < math.inf else (None, "without damping the jumps have no end")
-    found.append(AxisCure("faster", "feeds", "m/s", feed, then, now / feed, aim, note=note))
+    found = [lever.cure(_end(lever, feed), aim) for lever in levers(axis)]
     largest = axis.demand.largest_jump
     if largest is not None and (jumps := jumps_of(axis, feed)) and jumps.way > largest:
         for lever, end in zip(levers(axis), list(found), strict=False):
             factor = _factor_below(lever, feed, largest, end.effort)
             if factor is not None:
                 found.append(lever.cure(factor, BELOW))
-    # A faster feed is no cure of the axis.
-    return tuple(sorted(found, key=_rank))
+    return tuple(sorted(found, key=lambda cure: (cure.then is None, cure.effort)))
 
 
-def _rank(cure: AxisCure) -> tuple[bool, bool, float]:
-    heavy = cure.number == "mass" and _HEAVY < cure.effort < math.inf
-    return cure.number == "feeds", heavy or cure.then is None, cure.effort
+def _end(lever: Lever, feed: float) -> float | None:
+    """Return the factor at which an axis no longer judders at the feed; None within what exists."""
+    close = _CLOSE_BY_SIDE if lever.at(1.0).drive is None else _CLOSE
 
+    def even(factor: float) -> bool:
+        axis = lever.at(factor)
+        # Jumps carried up from slower feeds may exist where a break-away does not end in them.
+        carried = axis.drive is not None and axis.friction.law == "coulomb"
+        return not judders(axis, feed) and not (carried and critical_feed(axis, feed) >= feed)
 
-def cured(axis: Axis, cure: AxisCure, more: float = 1.0) -> Axis:
-    """Return an axis with a cure, its factor times another one."""
-    same = cure.name, cure.number, cure.held
-    (lever,) = (lever for lever in levers(axis) if (lever.name, lever.number, lever.held) == same)
-    return lever.at(cure.effort * more)
-
-
-def _end(lever: Lever, feed: float, now: float, carried: bool) -> float | None:
-    """Return the factor at which jumping ends at the feed; None where it does not, or unstable."""
-    axis = lever.at(1.0)
-    if axis.drive is None and axis.friction.constant:
-        # The closed form.
-        return _first(lambda factor: rigid_critical_feed(lever.at(factor)), feed, 1.0)
-    if carried:
-        way = _factor_of_servo(lever, feed, now)
-    else:
-        # Not the limit, which takes a search, but on which side of it the feed is.
-        def side(factor: float) -> float:
-            return feed * (2.0 if judders(lever.at(factor), feed) else 0.5)
-
-        close = _CLOSE_BY_SIDE if axis.drive is None else _CLOSE
-        way = _first(side, feed, 1.0, finer=_COARSE, close=close)
-    if way is not None and not is_stable(lever.at(way)):
-        return None
-    return way
+    return _least(even, lever.farthest, close)
 
 
 def _factor_below(lever: Lever, feed: float, largest: float, end: float) -> float | None:
@@ -203,83 +147,20 @@ def _factor_below(lever: Lever, feed: float, largest: float, end: float) -> floa
     None where no factor does, or where jumping ends at once from a larger jump.
     """
 
-    def excess(log_factor: float) -> float:
-        axis = lever.at(math.exp(log_factor))
-        if not is_stable(axis):
-            return math.inf
-        jumps = jumps_of(axis, feed)
-        return -1.0 if jumps is None else math.log(jumps.way / largest)
-
-    high = math.log(min(end / (1.0 + _CLOSE), lever.farthest))
-    if high <= 0.0 or not excess(high) <= 0.0:
-        return None
-    return math.exp(float(brentq(excess, 0.0, high, xtol=_CLOSE)))
-
-
-def _first(
-    limit: Callable[[float], float],
-    feed: float,
-    least: float,
-    finer: float = _FINER,
-    close: float = 1e-14,
-) -> float | None:
-    """Return the first factor from `least` on at which a limit falls to the feed; None without."""
-
-    def excess(log_factor: float) -> float:
-        value = limit(math.exp(log_factor))
-        return max(min(math.log(value / feed), 1e3), -1e3) if value > 0.0 else -1e3
-
-    low = math.log(least)
-    step, most = math.log(finer), math.log(_FARTHEST)
-    if excess(low) <= 0.0:
-        return least
-    while low < most:
-        high = min(low + step, most)
-        if excess(high) <= 0.0:
-            return math.exp(float(brentq(excess, low, high, xtol=close, rtol=1e-13)))
-        low = high
-    return None
-
-
-def _factor_of_servo(lever: Lever, feed: float, now: float) -> float | None:
-    """Return the least factor found at which the loop no longer jumps at the feed.
-
-    The estimate, scaled to the last exact value, says where to look; the exact limit decides.
-    """
-    exact = {1.0: now}
-
-    def estimate(factor: float) -> float:
-        return estimated_critical_feed(lever.at(factor))
-
-    def jumps(factor: float) -> bool:
+    def allowed(factor: float) -> bool:
         axis = lever.at(factor)
-        if factor not in exact:
-            stable = is_stable(axis)
-            exact[factor] = critical_feed(axis, _BEYOND * feed) if stable else math.inf
-        return exact[factor] > feed
+        jumps = jumps_of(axis, feed) if is_stable(axis) else None
+        return jumps is not None and jumps.way <= largest
 
-    low, high = 1.0, lever.farthest
-    if not jumps(low):
-        return low
-    known = False
-    scale = exact[low] / estimate(low)
-    for _ in range(_MOST):
-        guess = _first(estimate, feed / scale, low) or high
-        if not low < guess < high:
-            guess = math.sqrt(low * high) if known else high
-        # A little beyond, so that both sides come close.
-        guess = min(guess * (1.0 + 0.3 * _CLOSE), high)
-        if jumps(guess):
-            if guess >= high:
-                return None
-            low = guess
-        else:
-            high, known = guess, True
-        limit = exact[guess]
-        if 0.0 < limit < _BEYOND * feed:
-            scale = limit / estimate(guess)
-        if known and high <= low * (1.0 + _CLOSE):
-            break
-        if known and low < guess <= high and limit > 0.0 and abs(limit / feed - 1.0) < 2e-3:
-            break
-    return high if known else None
+    return _least(allowed, min(end / (1.0 + 2.0 * _CLOSE), lever.farthest), _CLOSE)
+
+
+def _least(holds: Callable[[float], bool], farthest: float, close: float) -> float | None:
+    """Return the least factor from which on something holds, by halving; None if not at last."""
+    low, high = 1.0, farthest
+    if high <= low or not holds(high):
+        return None
+    while high > low * (1.0 + close):
+        middle = math.sqrt(low * high)
+        low, high = (low, middle) if holds(middle) else (middle, high)
+    return high

@@ -7,10 +7,10 @@ from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from typing import Final
 
-from stickslip_ref import CriticalVelocity, merged, simplified
+from stickslip_ref import CriticalVelocity, simplified
 
 from .axis import Axis, AxisFile, Number
-from .levers import BELOW, END, cured, cures
+from .levers import END, cures
 from .loop.critical import (
     Record,
     critical_feed,
@@ -24,8 +24,18 @@ from .loop.critical import (
 from .loop.jumps import Limit
 from .loop.rest import Hunting, hunting, limit_from_rest
 from .loop.stability import Response, gain_limits, is_stable, open_loop, swing
+from .measures.judged import Found, measures
 from .one_thread import one_thread
-from .verdict import AxisCure, OperatingPoint, Verdict, feed_in_words, in_words, judder, smallest
+from .verdict import (
+    AxisCure,
+    LeftOut,
+    OperatingPoint,
+    Verdict,
+    feed_in_words,
+    in_words,
+    judder,
+    margin_of,
+)
 
 _UNANSWERED: Final = (
     "Reversal and backlash: the axis moves in one direction.",
@@ -36,8 +46,7 @@ _UNANSWERED: Final = (
 _OF_LOOP: Final = "Counts of the encoders and the limit of the motor's force are left out."
 
 _PERIODS: Final = 8.0
-_BEYOND: Final = 1.02
-"""Periods of the motions that are shown, and how far beyond the limit a cure is taken there."""
+"""Periods of the motions that are shown."""
 
 
 @one_thread
@@ -55,8 +64,10 @@ def design(axis: Axis | AxisFile) -> Verdict:
     critical = limits.highest if stable else math.inf
     start = _from_rest(axis, critical) if stable else None
     points = tuple(_points(axis, limits, start)) if stable else ()
-    found = _cures(axis, limits, points)
+    rest = _hunting(axis) if stable else None
+    found, left_out = _measures(axis, points, critical, rest) if stable else ((), {})
     before, after = _motions(axis, judder(points), found)
+    offered = tuple(each.measure for each in found)
     return Verdict(
         axis=axis,
         stable=stable,
@@ -72,12 +83,14 @@ def design(axis: Axis | AxisFile) -> Verdict:
         stuck=swing(axis, sliding=False) if loop else None,
         gains=gain_limits(axis) if loop else None,
         points=points,
-        hunting=_hunting(axis) if stable else None,
+        hunting=rest,
         responses=tuple(_responses(axis)) if loop else (),
-        cures=found,
+        measures=offered,
+        left_out=left_out,
+        cures=_cures(axis, points),
         before=before,
         after=after,
-        sentence=in_words(axis, limits, points, found, stable=stable),
+        sentence=in_words(axis, limits, points, offered, stable=stable),
         unanswered=(*_UNANSWERED, _OF_LOOP) if loop else _UNANSWERED,
     )
 
@@ -104,50 +117,42 @@ def _points(axis: Axis, limits: CriticalVelocity, start: float | None) -> Iterat
         simple = simplified(axis.block(feed))
         yield OperatingPoint(
             regime=regime_of(axis, feed, limit),
-            margin=_margin(limits, feed),
+            margin=margin_of(limits, feed),
             after_start=None if start is None else feed <= start,
             simplified_jump=float(simple.delta_x),
             simplified_frequency=float(simple.f),
         )
 
 
-def _margin(limits: CriticalVelocity, feed: float) -> float:
-    """Return the factor by which a feed is away from those that judder; `OperatingPoint`."""
-    judders = merged([*limits.cycle, *limits.unstable])
-    inside = [interval for interval in judders if feed in interval]
-    if inside:
-        return feed / inside[0].high
-    below = [feed / interval.high for interval in judders if interval.high < feed]
-    above = [interval.low / feed for interval in judders if interval.low > feed]
-    return min([*below, *above], default=math.inf)
+def _measures(
+    axis: Axis, points: Sequence[OperatingPoint], critical: float, rest: Hunting | None
+) -> tuple[tuple[Found, ...], LeftOut]:
+    """Return the measures that help, where a feed judders or the axis hunts."""
+    if judder(points) is None and rest is None:
+        return (), {}
+    found = {"critical_feed": critical} if critical < math.inf else {}
+    return measures(axis, points, found | ({"hunting.dead_band": rest.dead_band} if rest else {}))
 
 
-def _cures(
-    axis: Axis, limits: CriticalVelocity, points: Sequence[OperatingPoint]
-) -> tuple[AxisCure, ...]:
-    """Return what makes the slowest feed that judders even."""
+def _cures(axis: Axis, points: Sequence[OperatingPoint]) -> tuple[AxisCure, ...]:
+    """Return how far one number must go to make the slowest feed that judders even."""
     point = judder(points)
     if point is None:
         return ()
-    judders = merged([*limits.cycle, *limits.unstable])
-    end = max((part.high for part in judders if point.feed in part), default=point.feed)
     slowest = point is points[0] and point.jumps
     aim = END if slowest else f"even motion at {feed_in_words(point.feed)}"
-    return cures(axis, point.feed, end, aim)
+    return cures(axis, point.feed, aim)
 
 
 def _motions(
-    axis: Axis, judders: OperatingPoint | None, found: Sequence[AxisCure]
+    axis: Axis, judders: OperatingPoint | None, found: Sequence[Found]
 ) -> tuple[Record | None, Record | None]:
-    """Return the motion at the feed that judders, as it is and beyond the smallest change."""
-    best = smallest(found)
-    if judders is None or not best or judders.frequency is None:
+    """Return the motion at the feed that judders, as it is and with the best measure."""
+    enough = [each for each in found if each.measure.enough and each.measure.effort != "program"]
+    if judders is None or not enough or judders.frequency is None:
         return None, None
-    # The end of the jumps shows more than a smaller one.
-    cure = next((cure for cure in best if cure.aim != BELOW), best[0])
     span = _PERIODS / judders.frequency
-    after = cured(axis, cure, _BEYOND)
-    return record(axis, judders.feed, span), record(after, judders.feed, span)
+    return record(axis, judders.feed, span), record(enough[0].axis, judders.feed, span)
 
 
 def _range(file: AxisFile | None, axis: Axis, critical: float) -> tuple[float, float]:

@@ -6,11 +6,11 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Final
+from typing import Final, Literal, NamedTuple, get_args
 
-from stickslip_ref import EVEN, CriticalVelocity, Interval, Regime
+from stickslip_ref import EVEN, CriticalVelocity, Interval, Regime, merged
 from stickslip_units import EXACT, number, per_minute, shown_in, told
 
 from .axis import Axis
@@ -18,8 +18,12 @@ from .loop.critical import Record
 from .loop.rest import Hunting
 from .loop.stability import GainLimits, Response, Swing, gain_limits
 
-WORTHWHILE: Final = 10.0
-"""A change by more than this factor is no cure worth naming first."""
+Effort = Literal["setting", "part", "rebuild", "program"]
+EFFORTS: Final[tuple[Effort, ...]] = get_args(Effort)
+"""Kinds of effort, the least first; a "program" changes what is asked of the axis."""
+
+LeftOut = Mapping[str, tuple[str, ...]]
+"""Names of measures by the reason why they are not offered."""
 
 
 @dataclass(frozen=True)
@@ -72,28 +76,73 @@ def _finite(value: float) -> float | None:
     return None if math.isnan(value) else value
 
 
+class Change(NamedTuple):
+    """A number of an axis that a measure changes."""
+
+    number: str
+    """Its name in the axis file."""
+    unit: str
+    """Its SI unit, at the slide; empty: it is a text."""
+    now: float | str
+    then: float | str
+    """Its value now, and with the measure, SI."""
+
+
+@dataclass(frozen=True)
+class AxisMeasure:
+    """A measure of the catalogue, or two together, and the axis with it."""
+
+    ids: tuple[str, ...]
+    """Its names in the catalogue; two of a pair."""
+    name: str
+    """What is ordered or set, in words."""
+    effort: Effort
+    """What it takes: a setting, a part, a rebuild; or another program for the axis."""
+    enough: bool
+    """Whether it is enough: every feed asked for is even, or jumps no more than allowed; where none
+    judders anyway, the axis comes to rest at a target."""
+    changes: tuple[Change, ...]
+    """The numbers that it moves."""
+    critical_feed: float | None
+    """The critical feed with it [m/s]; None where it is not computed: friction without a closed
+    form, and a measure that is not enough."""
+    margin: float | None
+    """The least margin of the feeds with it [-], as of `OperatingPoint`; None where it is not
+    enough, or does not change the axis."""
+    hunts: float | None
+    """The jump at a target with it [m]; None where it comes to rest, or is not enough."""
+    needs: tuple[str, ...]
+    """What must be so, and no axis file says."""
+    costs: tuple[str, ...]
+    """What it costs elsewhere."""
+    idle: tuple[str, ...]
+    """What it does not help."""
+    sources: tuple[str, ...]
+    """Names of the sources of its numbers, docs/cures.md; "estimate" where there is none."""
+
+
 @dataclass(frozen=True)
 class AxisCure:
-    """One number of an axis changed, all others held."""
+    """How far one number of an axis would have to go, all others held."""
 
     name: str
-    """What is changed, in words: "stiffer", "less gap", "more damping", "K_v higher" ..."""
+    """What is changed, in words: "stiffer", "smaller gap" ..."""
     number: str
     """The number that is changed, by its name in the axis file."""
     unit: str
     """Its SI unit, to be shown as engineers write it."""
     now: float
     then: float | None
-    """Its value now, and the one from which on the aim is met, SI; None where none does."""
+    """Its value now, and the one from which on the aim is met, SI; None: beyond what exists."""
     effort: float
-    """The factor of the change, above 1; by it the cures are ranked. Infinite where none does."""
+    """The factor of the change, above 1; by it the rows are ranked. Infinite where none does."""
     aim: str
     """What it is for: "no jump at the slowest feed", "even motion" at the slowest feed that
     judders, or "a jump that is allowed"."""
     held: str = ""
     """What is held while it changes, in words; empty where nothing needs saying."""
     note: str = ""
-    """What else must be known, in words; why none does, where none does."""
+    """Why there is no value, in words, where there is none."""
 
 
 @dataclass(frozen=True)
@@ -133,22 +182,32 @@ class Verdict:
     """The cycle about a target; None where the axis comes to rest, or on a rigid drive."""
     responses: tuple[Response, ...]
     """Open loops; empty on a rigid drive."""
+    measures: tuple[AxisMeasure, ...]
+    """Measures of the catalogue that help, those that are enough first, by effort and margin; two
+    together where none is; then those that are not enough. Empty where nothing judders or hunts."""
+    left_out: LeftOut
+    """The other measures of the catalogue, by the reason why they are not offered."""
     cures: tuple[AxisCure, ...]
-    """What makes the slowest feed that judders even, the smallest change first; empty where none
-    does."""
+    """How far one number would have to go to make the slowest feed that judders even, within what
+    exists, the smallest change first."""
     before: Record | None
     after: Record | None
-    """The motion after a break-away at that feed, as it is, and beyond the smallest change; None
-    where nothing judders, and where nothing cures it."""
+    """The motion after a break-away at that feed, as it is, and with the best measure; None where
+    nothing judders, and where no measure is enough."""
     sentence: str
     """The answer in words."""
     unanswered: tuple[str, ...]
     """What the answer leaves out, a sentence each."""
 
     @property
-    def smallest(self) -> tuple[AxisCure, ...]:
-        """The smallest change of each aim, without those that are none to name."""
-        return smallest(self.cures)
+    def best(self) -> AxisMeasure | None:
+        """The first measure that is enough and leaves the task as it is; None where none is."""
+        return best(self.measures)
+
+
+def best(measures: Iterable[AxisMeasure]) -> AxisMeasure | None:
+    """Return the first measure that is enough and leaves the task as it is."""
+    return next((one for one in measures if one.enough and one.effort != "program"), None)
 
 
 def judder(points: Iterable[OperatingPoint]) -> OperatingPoint | None:
@@ -156,17 +215,15 @@ def judder(points: Iterable[OperatingPoint]) -> OperatingPoint | None:
     return next((point for point in points if point.judders), None)
 
 
-def smallest(cures: Iterable[AxisCure]) -> tuple[AxisCure, ...]:
-    """Return the smallest change of each aim, of cures that are in order.
-
-    A faster feed is none, since the feed is what is asked for, and none is a number that must
-    change by more than a factor of `WORTHWHILE`.
-    """
-    found: dict[str, AxisCure] = {}
-    for cure in cures:
-        if cure.then is not None and cure.number != "feeds" and cure.effort <= WORTHWHILE:
-            found.setdefault(cure.aim, cure)
-    return tuple(found.values())
+def margin_of(limits: CriticalVelocity, feed: float) -> float:
+    """Return the factor by which a feed is away from those that judder; `OperatingPoint`."""
+    judders = merged([*limits.cycle, *limits.unstable])
+    inside = [interval for interval in judders if feed in interval]
+    if inside:
+        return feed / inside[0].high
+    below = [feed / interval.high for interval in judders if interval.high < feed]
+    above = [interval.low / feed for interval in judders if interval.low > feed]
+    return min([*below, *above], default=math.inf)
 
 
 _SLOW: Final = 1e-3
@@ -184,16 +241,16 @@ def in_words(
     axis: Axis,
     limits: CriticalVelocity,
     points: Sequence[OperatingPoint],
-    cures: Sequence[AxisCure],
+    measures: Sequence[AxisMeasure],
     *,
     stable: bool,
 ) -> str:
-    """Return the answer for an axis in a few sentences; points and cures as of `Verdict`."""
+    """Return the answer for an axis in a few sentences; points and measures as of `Verdict`."""
     if not stable:
         return _unstable(axis)
     worst, ends = judder(points), _ends(axis, limits)
     if worst is not None:
-        said = [f"{_judder(worst)}; {ends}.", _start(axis, worst), _smallest(cures)]
+        said = [f"{_judder(worst)}; {ends}.", _start(axis, worst), _best(measures)]
         return " ".join(filter(None, said))
     if not limits.cycle and not limits.unstable:
         return "This axis does not jump at any feed, and moves evenly at each."
@@ -286,11 +343,9 @@ def _start(axis: Axis, point: OperatingPoint) -> str:
     )
 
 
-def _smallest(cures: Sequence[AxisCure]) -> str:
-    found = smallest(cures)
-    if not found:
-        return f"No number alone ends that, changed by a factor of {WORTHWHILE:g}."
-    best = found[0]
-    now, then = told(best.now, best.unit, EXACT), told(best.then, best.unit, EXACT)
-    held = f" ({best.held} held)" if best.held else ""
-    return f"Smallest change: {best.name}, {best.number} from {now} to {then}{held}."
+def _best(measures: Sequence[AxisMeasure]) -> str:
+    found = best(measures)
+    if found is None:
+        return "No measure of the catalogue ends that, nor two together."
+    first = "No measure alone is enough; two" if len(found.ids) > 1 else "Least effort"
+    return f"{first}: {found.name} ({found.effort})."

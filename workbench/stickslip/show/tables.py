@@ -387,31 +387,35 @@ def design_summary(verdict: Verdict) -> RenderableType:
     parts.append(Text(f"critical feed: {tables.critical(verdict)}"))
     if verdict.stable and verdict.axis.drive is not None:
         parts.append(Text(f"at a target: {tables.hunting(verdict)[0]}"))
-    parts += _cures(verdict)
+    parts += _measures(verdict)
     assumed = tables.assumed(verdict.axis)
     if assumed.rows:
         parts.append(_of_grid(assumed))
     return Group(*parts)
 
 
-def _cures(verdict: Verdict) -> Iterator[RenderableType]:
-    """Yield the cures that help as a table, and the names of the others."""
-    from stickslip_design.report.tables import Grid, cures
+def _measures(verdict: Verdict) -> Iterator[RenderableType]:
+    """Yield the measures that are enough, the names of the others, and how far one number goes."""
+    from stickslip_design.report.tables import Grid, cures, helping, measures
 
+    found = measures(verdict)
+    if found.rows:
+        yield _of_grid(Grid(found.head[:-1], [row[:-1] for row in found.rows], found.numbers))
+    for said in helping(verdict):
+        yield Text(said)
     rated = cures(verdict)
     names = [f"{cure.name} ({cure.held})" if cure.held else cure.name for cure in verdict.cures]
     rows: list[tuple[str, ...]] = []
-    others: dict[tuple[str, str], list[str]] = {}
+    others: dict[str, list[str]] = {}
     for name, cure, row in zip(names, verdict.cures, rated.rows, strict=True):
         if cure.then is None:
-            others.setdefault((cure.aim, cure.note), []).append(name)
+            others.setdefault(cure.aim, []).append(f"{name}, {cure.note}")
         else:
             rows.append((name, *row[1:-1]))
     if rows:
         yield _of_grid(Grid(rated.head[:-1], rows, rated.numbers))
-    for (aim, note), idle in others.items():
-        reason = f" ({note})" if note else ""
-        yield Text(f"no help alone for {aim}{reason}: {', '.join(idle)}")
+    for aim, idle in others.items():
+        yield Text(f"no one number for {aim}: {'; '.join(idle)}")
 
 
 def _of_grid(shown: Grid) -> Table:

@@ -224,6 +224,10 @@ class Axis:
     """
     assumed: tuple[Assumed, ...] = ()
     """What the axis file does not state."""
+    limits: Mapping[str, tuple[float, float]] = field(default_factory=lambda: MappingProxyType({}))
+    """Lowest and highest value of what may be changed, by its key without section, SI."""
+    without: tuple[str, ...] = ()
+    """Measures that cannot be taken, by name."""
 
     @property
     def normal_force(self) -> float:

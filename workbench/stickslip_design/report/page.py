@@ -57,7 +57,7 @@ def drawn(page: Figure | None, prefix: str, title: str) -> Markup | None:
         return Markup(as_part(page, prefix, title))
 
 
-FORMAT: Final = 2
+FORMAT: Final = 3
 """Rises where a key changes its meaning or goes."""
 
 ABOUT: Final = (
@@ -73,7 +73,7 @@ UNITS: Final = {
             "m/s": "feed speed low high critical_feed critical_range rigid_critical_feed "
             "estimated_critical_feed simplified_critical_feed",
             "m/s; of a regime the motion that a start from rest reaches": "from_rest",
-            "m": "jump simplified_jump ahead",
+            "m": "jump simplified_jump ahead hunts",
             "s": "settling period delay_margin time",
             "Hz": "frequency simplified_frequency gain_margin_at phase_margin_at",
             "rad/s": "w",
@@ -82,6 +82,7 @@ UNITS: Final = {
             "N": "F_s F_k",
             "N/m": "stiffest",
             "that of `unit` beside it": "now then",
+            "SI, as the key of the axis file": "limits",
             "SI, as the number that it belongs to": "spread",
             "SI, as the parameters of the friction law": "own",
         }.items()

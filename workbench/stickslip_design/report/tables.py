@@ -12,7 +12,7 @@ from stickslip_units import EXACT, NONE, decibels, number, per_minute, shown_in,
 from ..axis import Axis, Filter
 from ..axis.keys import KEYS
 from ..loop.stability import Cut
-from ..verdict import AxisCure, Verdict, ranges_in_words
+from ..verdict import AxisCure, AxisMeasure, Change, Verdict, ranges_in_words
 
 Tone = Literal["good", "warn", "bad"]
 Motion = Literal["jumps", "both", "swings", "even"]
@@ -125,12 +125,15 @@ def margin(verdict: Verdict) -> str:
     return f"{number(least.margin)} at {which}, {at}"
 
 
-def change(cure: AxisCure) -> str:
-    """Return the change of a cure: now → then."""
-    now = told(cure.now, cure.unit, EXACT)
-    if cure.then is None:
+def change(moved: AxisCure | Change) -> str:
+    """Return how a number changes: now → then."""
+    if isinstance(moved.now, str) or isinstance(moved.then, str):
+        return f"{moved.now} → {moved.then}"
+    now = told(moved.now, moved.unit, EXACT)
+    if moved.then is None:
         return f"now {now}; none found"
-    then = told(cure.then, cure.unit, EXACT)
+    value_then = float(f"{moved.then:.3g}") if isinstance(moved, Change) else moved.then
+    then = told(value_then, moved.unit, EXACT)
     value, _, symbol = now.partition(" ")
     return f"{value if symbol == then.partition(' ')[2] else now} → {then}"
 
@@ -269,10 +272,75 @@ def hunting(verdict: Verdict) -> tuple[str, ...]:
     return tuple(said)
 
 
-def cures(verdict: Verdict) -> Grid:
-    """Return every cure, the smallest change first."""
+def measures(verdict: Verdict) -> Grid:
+    """Return the measures that are enough, the least effort first; the last column in full."""
     return Grid(
-        ("cure", "number", "now → then", "factor", "aim", "held, and what else to know"),
+        ("measure", "effort", "moves", "margin", "at a target", "needs, costs, does not help"),
+        [
+            (
+                one.name,
+                one.effort,
+                "; ".join(_moves(one)) or "the way to the feed",
+                _margin(one),
+                _at_target(verdict, one),
+                " ".join(
+                    (
+                        *(f"Needs: {need}." for need in one.needs),
+                        *(f"Costs: {_low(cost)}" for cost in one.costs),
+                        *(f"No help: {_low(idle)}" for idle in one.idle),
+                    )
+                ),
+            )
+            for one in verdict.measures
+            if one.enough
+        ],
+        frozenset({3}),
+    )
+
+
+def _moves(one: AxisMeasure) -> Iterator[str]:
+    names = [change.number for change in one.changes]
+    for moved in one.changes:
+        name = moved.number.partition(".")[2]
+        # Coefficients say it, where both are moved.
+        if not (name in ("F_s", "F_k") and f"friction.mu_{name[-1]}" in names):
+            yield f"{name} {change(moved)}"
+
+
+def _margin(one: AxisMeasure) -> str:
+    jumps = one.margin is not None and one.margin < 1.0
+    return number(one.margin) + (", allowed" if jumps else "")
+
+
+def _at_target(verdict: Verdict, one: AxisMeasure) -> str:
+    if verdict.axis.drive is None or one.effort == "program":
+        return NONE
+    return "rests" if one.hunts is None else f"hunts {told(one.hunts, 'm')}"
+
+
+def _low(text: str) -> str:
+    """Return a sentence as it goes on behind a colon."""
+    return text if text[:2].isupper() else text[:1].lower() + text[1:]
+
+
+def helping(verdict: Verdict) -> tuple[str, ...]:
+    """Return in sentences which measures are not enough alone, and which are left out and why."""
+    some = [
+        one.name + ("" if one.critical_feed is None else f" (to {told(one.critical_feed, 'm/s')})")
+        for one in verdict.measures
+        if not one.enough
+    ]
+    said = [f"Help, but not enough alone: {'; '.join(some)}."] if some else []
+    said += [
+        f"{reason.capitalize()}: {', '.join(names)}." for reason, names in verdict.left_out.items()
+    ]
+    return tuple(said)
+
+
+def cures(verdict: Verdict) -> Grid:
+    """Return how far each number would have to go alone, the smallest change first."""
+    return Grid(
+        ("one number", "number", "now → then", "factor", "aim", "held, and what else to know"),
         [
             (
                 cure.name,

@@ -1,0 +1,274 @@
+"""Which measures of the catalogue end the judder of an axis: each is applied, the axis judged anew.
+
+Cheap questions come first: whether a measure applies, whether the loop stays stable, which side of
+the limit each feed is on. Limits are computed of what is enough alone.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from difflib import get_close_matches
+from itertools import combinations
+from typing import Final, NamedTuple
+
+from stickslip_ref import CriticalVelocity, Interval
+
+from ..axis import Axis, AxisError
+from ..axis.keys import KEYS
+from ..loop.critical import (
+    critical_feed,
+    estimated_critical_feed,
+    judders,
+    jumps_of,
+    limits_of,
+    rigid_critical_feed,
+)
+from ..loop.rest import hunting
+from ..loop.stability import is_stable, unstable_feeds
+from ..one_thread import one_thread
+from ..verdict import EFFORTS, AxisMeasure, Change, LeftOut, OperatingPoint, margin_of
+from .catalogue import Measure, catalogue
+from .moving import applies, number_of, with_measure, within_limits
+
+_BETTER: Final = 0.98
+"""A measure helps if it takes the critical feed below this part."""
+_PAIRS: Final = 2
+_TRIED: Final = 12
+"""Pairs that are sought, and that are judged at most."""
+_HOPE: Final = 1.5
+"""A pair is judged if the product of what its two do alone comes below this times the feed."""
+
+
+_FAR: Final = 3.0
+"""Farther than this the estimate is not off."""
+_NO_HELP: Final = "no help"
+
+
+class Found(NamedTuple):
+    """A measure and the axis with it."""
+
+    measure: AxisMeasure
+    axis: Axis
+
+
+@dataclass(frozen=True)
+class _Tried:
+    """Measures at their steps, and the axis with them."""
+
+    taken: tuple[Measure, ...]
+    axis: Axis
+    enough: bool
+    reach: float
+    """The critical feed with them [m/s], perhaps estimated; NaN where it is not asked for."""
+    limits: CriticalVelocity | None = None
+    """The limits of the axis with them, where they are enough at its feeds."""
+
+    @property
+    def effort(self) -> int:
+        return max(EFFORTS.index(measure.effort) for measure in self.taken)
+
+
+@one_thread
+def measures(
+    axis: Axis, points: Sequence[OperatingPoint], verdict: Mapping[str, float]
+) -> tuple[tuple[Found, ...], LeftOut]:
+    """Return the measures that help an axis, and the names of those that do not, by reason.
+
+    `points` are its operating points, `verdict` the numbers that a measure may be in terms of, by
+    name. Where a feed judders the aim is that none does; else that it does not hunt at a target.
+    First those that are enough, by effort and margin, what changes the task and not the axis last;
+    then those that help and are not enough. Of two together the best pairs are among the first, if
+    nothing less than a rebuild is enough alone.
+    """
+    unknown = [name for name in axis.without if name not in catalogue()]
+    if unknown:
+        near = get_close_matches(unknown[0], catalogue(), 3, 0.3)
+        remedy = f"nearest: {', '.join(near)}" if near else "docs/cures.md lists them"
+        reason = "is no measure of the catalogue"
+        raise AxisError(reason, key="limits.without", value=unknown[0], remedy=remedy)
+    judge = _Judge(axis, points, verdict)
+    tried = [judge.tried(measure) for measure in catalogue().values()]
+    alone = [one for one in tried if isinstance(one, _Tried)]
+    found = [one for one in alone if one.enough]
+    helping = [one for one in alone if not one.enough]
+    # Two parts are less than a rebuild.
+    if not any(one.taken[0].effort in ("setting", "part") for one in found):
+        none = all(one.taken[0].effort == "program" for one in found)
+        found += judge.pairs([o for o in helping if none or o.taken[0].effort != "rebuild"])
+    left_out: dict[str, list[str]] = {}
+    for measure, one in zip(catalogue().values(), tried, strict=True):
+        if isinstance(one, str):
+            left_out.setdefault(one, []).append(measure.id)
+    shown = sorted(map(judge.shown, found), key=judge.rank)
+    rest = [judge.shown(one) for one in sorted(helping, key=lambda one: one.reach)]
+    return (*shown, *rest), {reason: tuple(names) for reason, names in left_out.items()}
+
+
+class _Judge:
+    """What is asked of an axis, and whether a changed one meets it."""
+
+    def __init__(
+        self, axis: Axis, points: Sequence[OperatingPoint], verdict: Mapping[str, float]
+    ) -> None:
+        self._axis, self._verdict = axis, verdict
+        self._points = [point for point in points if point.judders]
+        self._reach = self._reached(axis)
+        estimate = _estimate(axis)
+        self._scale = self._reach / estimate if 0.0 < estimate < math.inf else 0.0
+
+    def tried(self, measure: Measure) -> _Tried | str:
+        """Return the mildest step of a measure that is enough, else the best; a text why none."""
+        if measure.id in self._axis.without:
+            return "excluded by [limits]"
+        if not applies(measure, self._axis):
+            return "does not apply"
+        if measure.creeps:
+            enough = bool(self._points) and all(point.regime.even for point in self._points)
+            return _Tried((measure,), self._axis, True, math.nan) if enough else _NO_HELP
+        reason, others = "does not apply", []
+        # Hunting costs most to judge; where the strongest step does not end it none is expected to.
+        for step in range(0 if self._points else measure.steps - 1, measure.steps):
+            changed = with_measure(self._axis, measure, step, self._verdict)
+            if changed is None:
+                continue
+            one = self._judged((measure,), changed)
+            if isinstance(one, _Tried):
+                return one
+            reason = one
+            others += [changed] * (one == _NO_HELP)
+        if not (others and self._points):
+            return reason
+        # The estimate says which step is the best, and the limit whether it helps.
+        best = min(others, key=_estimate)
+        reach = self._reached(best)
+        helps = reach < _BETTER * self._reach
+        return _Tried((measure,), best, False, reach) if helps else _NO_HELP
+
+    def _judged(self, taken: tuple[Measure, ...], axis: Axis) -> _Tried | str:
+        """Return measures that are enough; a text why they are not."""
+        if not within_limits(axis):
+            return "beyond [limits]"
+        if not is_stable(axis):
+            return "makes the loop unstable"
+        feeds = axis.demand.feeds
+        if not self._points and self._hunts(axis) is not None:
+            return _NO_HELP
+        if self._points and self._is_hopeless(axis):
+            return _NO_HELP
+        if not all(self._allowed(axis, feed) for feed in feeds):
+            return _NO_HELP
+        if not self._points and not axis.friction.constant:
+            return _Tried(taken, axis, True, math.nan)
+        limits = self._limits(axis)
+        # Jumps carried up from slower feeds may exist where a break-away does not end in them.
+        if not all(margin_of(limits, f) > 1.0 or self._allowed(axis, f, True) for f in feeds):
+            return _NO_HELP
+        return _Tried(taken, axis, True, limits.highest, limits)
+
+    def _is_hopeless(self, axis: Axis) -> bool:
+        """Return whether the quick estimate says that the slowest feed stays far below the limit.
+
+        The estimate is scaled to the exact value of the axis as it is.
+        """
+        slowest = axis.demand.feeds[0]
+        far = self._scale * _estimate(axis) > _FAR * slowest
+        return axis.friction.constant and far and not self._allowed(axis, slowest, True)
+
+    def _allowed(self, axis: Axis, feed: float, jumping: bool = False) -> bool:
+        """Return whether an axis moves evenly at a feed, unless `jumping`, or in allowed jumps."""
+        if not jumping and not judders(axis, feed):
+            return True
+        largest = axis.demand.largest_jump
+        jumps = None if largest is None else jumps_of(axis, feed)
+        return jumps is not None and largest is not None and jumps.way <= largest
+
+    def _reached(self, axis: Axis) -> float:
+        """Return the critical feed; with a law without a closed form its estimate."""
+        return critical_feed(axis) if axis.friction.constant else _estimate(axis)
+
+    def _hunts(self, axis: Axis) -> float | None:
+        """Return the jump at a target [m]; None where the axis comes to rest."""
+        if axis.drive is None:
+            return None
+        found = hunting(axis)
+        return None if found is None or found.dead_band <= axis.drive.dead_band else found.jump
+
+    def pairs(self, helping: Sequence[_Tried]) -> list[_Tried]:
+        """Return the best pairs that are enough, of measures that are not enough alone."""
+        feed = min((point.feed for point in self._points), default=0.0)
+        hopes = []
+        for one, other in combinations(helping, 2):
+            hope = one.reach * other.reach / self._reach if self._reach < math.inf else 0.0
+            if one.taken[0].kind != other.taken[0].kind and hope < _HOPE * feed:
+                efforts = one.effort, other.effort
+                hopes.append((max(efforts), sum(efforts), hope, one, other))
+        found: list[_Tried] = []
+        for *_, one, other in sorted(hopes, key=lambda row: row[:3])[:_TRIED]:
+            (second,) = other.taken
+            # The second at its strongest.
+            changed = with_measure(one.axis, second, second.steps - 1, self._verdict)
+            both = changed and self._judged((*one.taken, second), changed)
+            if isinstance(both, _Tried):
+                found.append(both)
+            if len(found) == _PAIRS:
+                break
+        return found
+
+    def shown(self, one: _Tried) -> Found:
+        """Return what is told of measures: what they change, and what the axis then does."""
+        axis, asked = one.axis, one.taken[-1].effort == "program"
+        creeps = one.taken[0].creeps
+        critical, margin = one.reach if axis.friction.constant and not creeps else None, None
+        if one.limits is not None:
+            critical, feeds = one.limits.highest, axis.demand.feeds
+            margin = min((margin_of(one.limits, feed) for feed in feeds), default=None)
+        return Found(
+            AxisMeasure(
+                ids=tuple(measure.id for measure in one.taken),
+                name=" + ".join(measure.name for measure in one.taken),
+                effort=EFFORTS[one.effort],
+                enough=one.enough,
+                changes=tuple(_changes(self._axis, axis, one.taken)),
+                critical_feed=critical,
+                margin=margin,
+                hunts=self._hunts(axis) if one.enough and self._points and not asked else None,
+                needs=tuple(measure.needs for measure in one.taken if measure.needs),
+                costs=tuple(measure.costs for measure in one.taken),
+                idle=tuple(measure.idle for measure in one.taken),
+                sources=tuple(dict.fromkeys(m.source for each in one.taken for m in each.moves)),
+            ),
+            axis,
+        )
+
+    def _limits(self, axis: Axis) -> CriticalVelocity:
+        if axis.drive is None:
+            return limits_of(axis)
+        limit = critical_feed(axis)
+        cycle = (Interval(0.0, limit, "none", "grazing"),) if limit > 0.0 else ()
+        return CriticalVelocity(unstable_feeds(axis), cycle, (0.0, math.inf), False)
+
+    @staticmethod
+    def rank(found: Found) -> tuple[bool, int, int, float]:
+        """Return the rank: one before two, by effort and then by margin; a program last."""
+        one = found.measure
+        efforts = EFFORTS.index(one.effort)
+        margin = 0.0 if one.margin is None else one.margin
+        return one.effort == "program", efforts, len(one.ids), -margin
+
+
+def _estimate(axis: Axis) -> float:
+    """Return the quick estimate of the critical feed, of constant friction."""
+    plain = replace(axis, friction=replace(axis.friction, law="coulomb", own={}))
+    return estimated_critical_feed(plain) if axis.drive else rigid_critical_feed(plain)
+
+
+def _changes(before: Axis, after: Axis, taken: Sequence[Measure]) -> Iterator[Change]:
+    """Yield the numbers that measures change, by the keys of the axis file."""
+    for path in dict.fromkeys(move.key for measure in taken for move in measure.moves):
+        now, then, key = number_of(before, path), number_of(after, path), KEYS[path]
+        if isinstance(now, tuple):
+            now, then = min(now), min(then)
+        if now != then:
+            yield Change(path, key.units[0] if key.units else "", now, then)
