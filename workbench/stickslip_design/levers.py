@@ -13,13 +13,13 @@ from .loop.stability import is_stable
 from .measures.moving import with_number
 from .verdict import AxisCure
 
-_GAP: Final = 30.0
+_GAP: Final = 10.0
 _STIFFER: Final = 3.0
 _ZETA: Final = 0.2
 _LIGHTER: Final = 1.25
 """The largest factors of gap, stiffness and mass (20 % less), and the largest damping ratio: beyond
 them nothing exists that could be ordered."""
-_CLOSE: Final = 2e-3
+_CLOSE: Final = 5e-3
 _CLOSE_BY_SIDE: Final = 1e-7
 """How close a factor is found, relative, with a drive and on a rigid one."""
 

@@ -41,8 +41,10 @@ _HOPE: Final = 1.5
 """A pair is judged if the product of what its two do alone comes below this times the feed."""
 
 
-_FAR: Final = 3.0
-"""Farther than this the estimate is not off."""
+_WORSE: Final = 1.3
+"""A measure whose estimate rises by this factor is not judged further."""
+_BEYOND: Final = 15.0
+"""How far above its critical feed an axis of constant friction is judged, as of `jump_ranges`."""
 _NO_HELP: Final = "no help"
 
 
@@ -127,59 +129,56 @@ class _Judge:
         if measure.creeps:
             enough = bool(self._points) and all(point.regime.even for point in self._points)
             return _Tried((measure,), self._axis, True, math.nan) if enough else _NO_HELP
-        reason, others = "does not apply", []
-        # Hunting costs most to judge; where the strongest step does not end it none is expected to.
-        for step in range(0 if self._points else measure.steps - 1, measure.steps):
-            changed = with_measure(self._axis, measure, step, self._verdict)
-            if changed is None:
-                continue
-            one = self._judged((measure,), changed)
-            if isinstance(one, _Tried):
-                return one
-            reason = one
-            others += [changed] * (one == _NO_HELP)
-        if not (others and self._points):
-            return reason
-        # The estimate says which step is the best, and the limit whether it helps.
-        best = min(others, key=_estimate)
-        reach = self._reached(best)
-        helps = reach < _BETTER * self._reach
-        return _Tried((measure,), best, False, reach) if helps else _NO_HELP
+        steps = [
+            changed
+            for step in range(measure.steps)
+            if (changed := with_measure(self._axis, measure, step, self._verdict)) is not None
+        ]
+        allowed = [axis for axis in steps if within_limits(axis)]
+        borne = [axis for axis in allowed if is_stable(axis)]
+        if not borne:
+            reason = "makes the loop unstable" if allowed else "beyond [limits]"
+            return reason if steps else "does not apply"
+        # The estimate says which step is the best; a milder one may be enough too.
+        best = min(borne, key=_estimate) if self._points else borne[-1]
+        one = self._judged((measure,), best)
+        if one is not None and one.enough:
+            for milder in borne[: borne.index(best)]:
+                other = self._judged((measure,), milder)
+                if other is not None and other.enough:
+                    return other
+        return one or _NO_HELP
 
-    def _judged(self, taken: tuple[Measure, ...], axis: Axis) -> _Tried | str:
-        """Return measures that are enough; a text why they are not."""
-        if not within_limits(axis):
-            return "beyond [limits]"
-        if not is_stable(axis):
-            return "makes the loop unstable"
-        feeds = axis.demand.feeds
-        if not self._points and self._hunts(axis) is not None:
-            return _NO_HELP
-        if self._points and self._is_hopeless(axis):
-            return _NO_HELP
-        if not all(self._allowed(axis, feed) for feed in feeds):
-            return _NO_HELP
-        if not self._points and not axis.friction.constant:
-            return _Tried(taken, axis, True, math.nan)
-        limits = self._limits(axis)
-        # Jumps carried up from slower feeds may exist where a break-away does not end in them.
-        if not all(margin_of(limits, f) > 1.0 or self._allowed(axis, f, True) for f in feeds):
-            return _NO_HELP
-        return _Tried(taken, axis, True, limits.highest, limits)
+    def _judged(self, taken: tuple[Measure, ...], axis: Axis) -> _Tried | None:
+        """Return measures that are enough, or help; None where they do not.
 
-    def _is_hopeless(self, axis: Axis) -> bool:
-        """Return whether the quick estimate says that the slowest feed stays far below the limit.
-
-        The estimate is scaled to the exact value of the axis as it is.
+        The quick estimate comes first, scaled to the exact value of the axis as it is.
         """
-        slowest = axis.demand.feeds[0]
-        far = self._scale * _estimate(axis) > _FAR * slowest
-        return axis.friction.constant and far and not self._allowed(axis, slowest, True)
+        if not self._points:
+            if self._hunts(axis) is not None or any(judders(axis, f) for f in axis.demand.feeds):
+                return None
+            limits = self._limits(axis, critical_feed(axis)) if axis.friction.constant else None
+            return _Tried(taken, axis, True, limits.highest if limits else math.nan, limits)
+        if self._scale * _estimate(axis) > _WORSE * self._reach:
+            return None
+        constant = axis.friction.constant
+        reach = self._reached(axis)
+        # With constant friction nothing jumps far above the critical feed.
+        high = _BEYOND * reach if constant else math.inf
+        even = [
+            f > high or (f > reach * constant and not judders(axis, f)) for f in axis.demand.feeds
+        ]
+        pairs = zip(even, axis.demand.feeds, strict=True)
+        if all(is_even or self._allowed(axis, feed) for is_even, feed in pairs):
+            limits = self._limits(axis, reach if constant else critical_feed(axis))
+            outside = (margin_of(limits, feed) > 1.0 for feed in axis.demand.feeds)
+            # Jumps carried up from slower feeds may exist where a break-away does not end in them.
+            if all(out or not is_even for out, is_even in zip(outside, even, strict=True)):
+                return _Tried(taken, axis, True, limits.highest, limits)
+        return _Tried(taken, axis, False, reach) if reach < _BETTER * self._reach else None
 
-    def _allowed(self, axis: Axis, feed: float, jumping: bool = False) -> bool:
-        """Return whether an axis moves evenly at a feed, unless `jumping`, or in allowed jumps."""
-        if not jumping and not judders(axis, feed):
-            return True
+    def _allowed(self, axis: Axis, feed: float) -> bool:
+        """Return whether the jumps of an axis at a feed are allowed."""
         largest = axis.demand.largest_jump
         jumps = None if largest is None else jumps_of(axis, feed)
         return jumps is not None and largest is not None and jumps.way <= largest
@@ -190,7 +189,7 @@ class _Judge:
 
     def _hunts(self, axis: Axis) -> float | None:
         """Return the jump at a target [m]; None where the axis comes to rest."""
-        if axis.drive is None:
+        if axis.drive is None or axis.F_s == 0.0:
             return None
         found = hunting(axis)
         return None if found is None or found.dead_band <= axis.drive.dead_band else found.jump
@@ -209,8 +208,10 @@ class _Judge:
             (second,) = other.taken
             # The second at its strongest.
             changed = with_measure(one.axis, second, second.steps - 1, self._verdict)
-            both = changed and self._judged((*one.taken, second), changed)
-            if isinstance(both, _Tried):
+            if changed is None or not within_limits(changed) or not is_stable(changed):
+                continue
+            both = self._judged((*one.taken, second), changed)
+            if both is not None and both.enough:
                 found.append(both)
             if len(found) == _PAIRS:
                 break
@@ -242,11 +243,11 @@ class _Judge:
             axis,
         )
 
-    def _limits(self, axis: Axis) -> CriticalVelocity:
+    def _limits(self, axis: Axis, critical: float) -> CriticalVelocity:
+        """Return the limits of an axis, of a servo axis those up to its critical feed [m/s]."""
         if axis.drive is None:
             return limits_of(axis)
-        limit = critical_feed(axis)
-        cycle = (Interval(0.0, limit, "none", "grazing"),) if limit > 0.0 else ()
+        cycle = (Interval(0.0, critical, "none", "grazing"),) if critical > 0.0 else ()
         return CriticalVelocity(unstable_feeds(axis), cycle, (0.0, math.inf), False)
 
     @staticmethod

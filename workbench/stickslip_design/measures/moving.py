@@ -14,6 +14,7 @@ from ..axis import Axis
 from ..axis.keys import BY_SECTION, KEYS
 from .catalogue import OF_VERDICT, Condition, Measure, Move, Value
 
+_FORCES: Final = ("friction.F_s", "friction.F_k")
 _ROUNDING: Final = 1e-9
 """How far beyond a limit a number is taken to be at it, relative."""
 
@@ -75,6 +76,9 @@ def applies(measure: Measure, axis: Axis) -> bool:
 
 def _holds(condition: Condition, axis: Axis) -> bool:
     now = number_of(axis, condition.key)
+    # Forces of the friction are what was stated, or computed of the coefficients.
+    if condition.key in _FORCES and not axis.friction.in_newtons:
+        return False
     if now is None or condition.text:
         return now is not None and now == condition.text
     low = -math.inf if condition.above is None else condition.above
