@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from typing import Final
 
@@ -92,19 +92,18 @@ def levers(axis: Axis) -> Iterator[Lever]:
         "c, load and friction" if newtons else "c and load",
         farthest=_LIGHTER, end="20 % less mass",
     )  # fmt: skip
-    yield limited(stiffer, axis.limits)
+    stiffer = limited(stiffer, *axis.limits.get("k", (0.0, math.inf)))
+    yield stiffer
     if zeta > 0.0:
-        fixed = replace(stiffer, moved=lambda k: damped(stiffer.moved(k), zeta), held="zeta")
-        yield limited(fixed, axis.limits)
+        yield replace(stiffer, moved=lambda k: damped(stiffer.moved(k), zeta), held="zeta")
     if 0.0 < zeta < _ZETA:
         more = Lever("more damping", "c", "N.s/m", True, axis.c, lambda c: replace(axis, c=c))
         yield replace(more, farthest=_ZETA / zeta, end=f"a damping ratio of {100.0 * _ZETA:g} %")
-    yield limited(lighter, axis.limits)
+    yield limited(lighter, *axis.limits.get("m", (0.0, math.inf)))
 
 
-def limited(lever: Lever, limits: Mapping[str, tuple[float, float]]) -> Lever:
+def limited(lever: Lever, low: float, high: float) -> Lever:
     """Return a lever that ends at the `[limits]` of an axis, where they are nearer."""
-    low, high = limits.get(lever.number, (0.0, math.inf))
     farthest = high / lever.now if lever.up else lever.now / low if low > 0.0 else math.inf
     if farthest >= lever.farthest:
         return lever

@@ -28,9 +28,9 @@ from .measures.judged import Found, measures
 from .one_thread import one_thread
 from .verdict import (
     AxisCure,
-    LeftOut,
     OperatingPoint,
     Verdict,
+    best,
     feed_in_words,
     in_words,
     judder,
@@ -126,7 +126,7 @@ def _points(axis: Axis, limits: CriticalVelocity, start: float | None) -> Iterat
 
 def _measures(
     axis: Axis, points: Sequence[OperatingPoint], critical: float, rest: Hunting | None
-) -> tuple[tuple[Found, ...], LeftOut]:
+) -> tuple[tuple[Found, ...], dict[str, tuple[str, ...]]]:
     """Return the measures that help, where a feed judders or the axis hunts."""
     if judder(points) is None and rest is None:
         return (), {}
@@ -148,11 +148,12 @@ def _motions(
     axis: Axis, judders: OperatingPoint | None, found: Sequence[Found]
 ) -> tuple[Record | None, Record | None]:
     """Return the motion at the feed that judders, as it is and with the best measure."""
-    enough = [each for each in found if each.measure.enough and each.measure.effort != "program"]
-    if judders is None or not enough or judders.frequency is None:
+    first = best(each.measure for each in found)
+    if judders is None or first is None or judders.frequency is None:
         return None, None
+    (after,) = (each.axis for each in found if each.measure is first)
     span = _PERIODS / judders.frequency
-    return record(axis, judders.feed, span), record(enough[0].axis, judders.feed, span)
+    return record(axis, judders.feed, span), record(after, judders.feed, span)
 
 
 def _range(file: AxisFile | None, axis: Axis, critical: float) -> tuple[float, float]:

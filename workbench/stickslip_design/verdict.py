@@ -22,9 +22,6 @@ Effort = Literal["setting", "part", "rebuild", "program"]
 EFFORTS: Final[tuple[Effort, ...]] = get_args(Effort)
 """Kinds of effort, the least first; a "program" changes what is asked of the axis."""
 
-LeftOut = Mapping[str, tuple[str, ...]]
-"""Names of measures by the reason why they are not offered."""
-
 
 @dataclass(frozen=True)
 class OperatingPoint:
@@ -185,7 +182,7 @@ class Verdict:
     measures: tuple[AxisMeasure, ...]
     """Measures of the catalogue that help, those that are enough first, by effort and margin; two
     together where none is; then those that are not enough. Empty where nothing judders or hunts."""
-    left_out: LeftOut
+    left_out: Mapping[str, tuple[str, ...]]
     """The other measures of the catalogue, by the reason why they are not offered."""
     cures: tuple[AxisCure, ...]
     """How far one number would have to go to make the slowest feed that judders even, within what

@@ -112,8 +112,6 @@ def _with_spread(key: Key, text: str) -> Number:
     return Number(value, kind.unit, spread)
 
 
-_ROUNDING: Final = 1e-9
-"""How far beyond a limit a number is taken to be at it, relative."""
 _AT_MOTOR: Final = {"N.m": 1, "kg.m2": 2, "N.m.s/rad": 2, "N.m.s": 2}
 """How often a turn over its way takes what is stated at the motor to the slide."""
 
@@ -177,7 +175,11 @@ class Builder:
         self._check(axis)
         # The ± of a number may lead beyond.
         if not capped:
-            _check_limits(axis)
+            for name, now in axis.beyond_limits():
+                (key,) = (key for key in BY_SECTION["limits"].values() if key.symbol == name)
+                present = f"the present value, {now:.6g} {key.units[0]}"
+                reason = f"excludes {present}" if now == now else "limits a rigid drive"
+                raise AxisError(reason, key=key.path, remedy="correct it, or leave it out")
         return axis
 
     def _friction(self, normal: float, *, capped: bool) -> Friction:
@@ -283,14 +285,14 @@ class Builder:
             raise AxisError(f"has numbers that do not go together: {error}", key="axis") from None
 
     def _limits(self) -> Iterator[tuple[str, tuple[float, float]]]:
-        """Yield what the section of limits states, by key."""
+        """Yield what the section of limits states."""
         for key in BY_SECTION["limits"].values():
             ends = [self._number(path) for path in self._paths(key.path) if key.units]
             if len(ends) == 1 or ends != sorted(ends):
                 within = "two values, the lowest and the highest"
                 raise AxisError("is no range", key=key.path, within=within)
             if ends:
-                yield key.name, (ends[0], ends[1])
+                yield key.symbol, (ends[0], ends[1])
 
     def _fields(self, section: str) -> dict[str, Any]:
         """Return the numbers of a section that are stated or have a default, by symbol."""
@@ -387,25 +389,6 @@ class Builder:
         if not texts:
             return not name or path in self._keys
         return (self._law if path == "friction.law" else self._text(path)) in texts
-
-
-def _check_limits(axis: Axis) -> None:
-    """Refuse limits that exclude a number of the axis, or that limit what it does not have."""
-    for name, (low, high) in axis.limits.items():
-        section = "axis" if name in BY_SECTION["axis"] else "drive"
-        key = key_of(f"{section}.{name}")
-        part = axis if section == "axis" else axis.drive
-        if part is None:
-            raise AxisError(
-                "limits a number of a drive, and the drive is rigid", key=f"limits.{name}",
-                remedy="leave it out",
-            )  # fmt: skip
-        now = getattr(part, key.symbol)
-        if not low <= now * (1.0 + _ROUNDING) or not now * (1.0 - _ROUNDING) <= high:
-            raise AxisError(
-                f"excludes the present value, {now:.6g} {key.units[0]}", key=f"limits.{name}",
-                remedy=f"let the range hold {section}.{name}",
-            )  # fmt: skip
 
 
 def _least(first: Any, *others: Any) -> Any:

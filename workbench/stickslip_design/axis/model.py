@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from types import MappingProxyType
 from typing import Final, NamedTuple
@@ -225,7 +225,7 @@ class Axis:
     assumed: tuple[Assumed, ...] = ()
     """What the axis file does not state."""
     limits: Mapping[str, tuple[float, float]] = field(default_factory=lambda: MappingProxyType({}))
-    """Lowest and highest value of what may be changed, by its key without section, SI."""
+    """Lowest and highest value of what may be changed, by its name in `Axis` or `Drive`, SI."""
     without: tuple[str, ...] = ()
     """Measures that cannot be taken, by name."""
 
@@ -243,6 +243,13 @@ class Axis:
     def F_k(self) -> float:  # noqa: N802 - as F_s
         """Kinetic friction without its viscous part [N]."""
         return self.friction.mu_k * self.normal_force
+
+    def beyond_limits(self) -> Iterator[tuple[str, float]]:
+        """Yield what is beyond its limits by more than rounding; NaN for what it does not have."""
+        for name, (low, high) in self.limits.items():
+            now = getattr(self if name in ("m", "k") else self.drive, name, math.nan)
+            if not low * (1.0 - 1e-9) <= now <= high * (1.0 + 1e-9):
+                yield name, now
 
     def block(self, feed: float) -> Parameters:
         """Return the table on a rigid drive at a feed [m/s], for closed forms and the FMU."""

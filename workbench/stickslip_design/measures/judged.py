@@ -28,20 +28,18 @@ from ..loop.critical import (
 from ..loop.rest import hunting
 from ..loop.stability import is_stable, unstable_feeds
 from ..one_thread import one_thread
-from ..verdict import EFFORTS, AxisMeasure, Change, LeftOut, OperatingPoint, margin_of
+from ..verdict import EFFORTS, AxisMeasure, Change, OperatingPoint, margin_of
 from .catalogue import Measure, catalogue
-from .moving import applies, number_of, with_measure, within_limits
+from .moving import applies, number_of, with_measure
 
-_BETTER: Final = 0.98
+_BETTER: Final = 0.95
 """A measure helps if it takes the critical feed below this part."""
 _PAIRS: Final = 2
 _TRIED: Final = 12
 """Pairs that are sought, and that are judged at most."""
 _HOPE: Final = 1.5
 """A pair is judged if the product of what its two do alone comes below this times the feed."""
-
-
-_WORSE: Final = 1.3
+_WORSE: Final = 1.15
 """A measure whose estimate rises by this factor is not judged further."""
 _BEYOND: Final = 15.0
 """How far above its critical feed an axis of constant friction is judged, as of `jump_ranges`."""
@@ -75,7 +73,7 @@ class _Tried:
 @one_thread
 def measures(
     axis: Axis, points: Sequence[OperatingPoint], verdict: Mapping[str, float]
-) -> tuple[tuple[Found, ...], LeftOut]:
+) -> tuple[tuple[Found, ...], dict[str, tuple[str, ...]]]:
     """Return the measures that help an axis, and the names of those that do not, by reason.
 
     `points` are its operating points, `verdict` the numbers that a measure may be in terms of, by
@@ -88,8 +86,7 @@ def measures(
     if unknown:
         near = get_close_matches(unknown[0], catalogue(), 3, 0.3)
         remedy = f"nearest: {', '.join(near)}" if near else "docs/cures.md lists them"
-        reason = "is no measure of the catalogue"
-        raise AxisError(reason, key="limits.without", value=unknown[0], remedy=remedy)
+        raise AxisError("is no measure of the catalogue", "limits.without", unknown[0], "", remedy)
     judge = _Judge(axis, points, verdict)
     tried = [judge.tried(measure) for measure in catalogue().values()]
     alone = [one for one in tried if isinstance(one, _Tried)]
@@ -103,9 +100,9 @@ def measures(
     for measure, one in zip(catalogue().values(), tried, strict=True):
         if isinstance(one, str):
             left_out.setdefault(one, []).append(measure.id)
-    shown = sorted(map(judge.shown, found), key=judge.rank)
-    rest = [judge.shown(one) for one in sorted(helping, key=lambda one: one.reach)]
-    return (*shown, *rest), {reason: tuple(names) for reason, names in left_out.items()}
+    shown = sorted(map(judge.shown, found), key=_rank)
+    shown += map(judge.shown, sorted(helping, key=lambda one: one.reach))
+    return tuple(shown), {reason: tuple(names) for reason, names in left_out.items()}
 
 
 class _Judge:
@@ -134,7 +131,7 @@ class _Judge:
             for step in range(measure.steps)
             if (changed := with_measure(self._axis, measure, step, self._verdict)) is not None
         ]
-        allowed = [axis for axis in steps if within_limits(axis)]
+        allowed = [axis for axis in steps if not any(axis.beyond_limits())]
         borne = [axis for axis in allowed if is_stable(axis)]
         if not borne:
             reason = "makes the loop unstable" if allowed else "beyond [limits]"
@@ -165,15 +162,16 @@ class _Judge:
         reach = self._reached(axis)
         # With constant friction nothing jumps far above the critical feed.
         high = _BEYOND * reach if constant else math.inf
-        even = [
-            f > high or (f > reach * constant and not judders(axis, f)) for f in axis.demand.feeds
-        ]
-        pairs = zip(even, axis.demand.feeds, strict=True)
-        if all(is_even or self._allowed(axis, feed) for is_even, feed in pairs):
+        feeds = axis.demand.feeds
+        even = [f > high or (f > reach * constant and not judders(axis, f)) for f in feeds]
+        if all(is_even or self._allowed(axis, f) for is_even, f in zip(even, feeds, strict=True)):
             limits = self._limits(axis, reach if constant else critical_feed(axis))
-            outside = (margin_of(limits, feed) > 1.0 for feed in axis.demand.feeds)
             # Jumps carried up from slower feeds may exist where a break-away does not end in them.
-            if all(out or not is_even for out, is_even in zip(outside, even, strict=True)):
+            if all(
+                margin_of(limits, f) > 1.0
+                for is_even, f in zip(even, feeds, strict=True)
+                if is_even
+            ):
                 return _Tried(taken, axis, True, limits.highest, limits)
         return _Tried(taken, axis, False, reach) if reach < _BETTER * self._reach else None
 
@@ -208,9 +206,8 @@ class _Judge:
             (second,) = other.taken
             # The second at its strongest.
             changed = with_measure(one.axis, second, second.steps - 1, self._verdict)
-            if changed is None or not within_limits(changed) or not is_stable(changed):
-                continue
-            both = self._judged((*one.taken, second), changed)
+            possible = changed and not any(changed.beyond_limits()) and is_stable(changed)
+            both = self._judged((*one.taken, second), changed) if changed and possible else None
             if both is not None and both.enough:
                 found.append(both)
             if len(found) == _PAIRS:
@@ -219,12 +216,13 @@ class _Judge:
 
     def shown(self, one: _Tried) -> Found:
         """Return what is told of measures: what they change, and what the axis then does."""
-        axis, asked = one.axis, one.taken[-1].effort == "program"
-        creeps = one.taken[0].creeps
-        critical, margin = one.reach if axis.friction.constant and not creeps else None, None
+        axis, margin, hunts = one.axis, None, None
+        critical = None if one.enough or not axis.friction.constant else one.reach
         if one.limits is not None:
             critical, feeds = one.limits.highest, axis.demand.feeds
             margin = min((margin_of(one.limits, feed) for feed in feeds), default=None)
+            # Where no feed judders that it rests is what it is for.
+            hunts = self._hunts(axis) if self._points else None
         return Found(
             AxisMeasure(
                 ids=tuple(measure.id for measure in one.taken),
@@ -234,7 +232,7 @@ class _Judge:
                 changes=tuple(_changes(self._axis, axis, one.taken)),
                 critical_feed=critical,
                 margin=margin,
-                hunts=self._hunts(axis) if one.enough and self._points and not asked else None,
+                hunts=hunts,
                 needs=tuple(measure.needs for measure in one.taken if measure.needs),
                 costs=tuple(measure.costs for measure in one.taken),
                 idle=tuple(measure.idle for measure in one.taken),
@@ -250,13 +248,11 @@ class _Judge:
         cycle = (Interval(0.0, critical, "none", "grazing"),) if critical > 0.0 else ()
         return CriticalVelocity(unstable_feeds(axis), cycle, (0.0, math.inf), False)
 
-    @staticmethod
-    def rank(found: Found) -> tuple[bool, int, int, float]:
-        """Return the rank: one before two, by effort and then by margin; a program last."""
-        one = found.measure
-        efforts = EFFORTS.index(one.effort)
-        margin = 0.0 if one.margin is None else one.margin
-        return one.effort == "program", efforts, len(one.ids), -margin
+
+def _rank(found: Found) -> tuple[int, int, float]:
+    """Return the rank: by effort, one before two, by margin."""
+    one = found.measure
+    return EFFORTS.index(one.effort), len(one.ids), -(one.margin or 0.0)
 
 
 def _estimate(axis: Axis) -> float:

@@ -11,12 +11,10 @@ from dataclasses import replace
 from typing import Any, Final
 
 from ..axis import Axis
-from ..axis.keys import BY_SECTION, KEYS
+from ..axis.keys import KEYS
 from .catalogue import OF_VERDICT, Condition, Measure, Move, Value
 
 _FORCES: Final = ("friction.F_s", "friction.F_k")
-_ROUNDING: Final = 1e-9
-"""How far beyond a limit a number is taken to be at it, relative."""
 
 
 def number_of(axis: Axis, key: str) -> Any:
@@ -120,17 +118,3 @@ def _moved(axis: Axis, move: Move, value: Value, verdict: Mapping[str, float]) -
         return value
     whole = verdict.get(move.of) if move.of in OF_VERDICT else number_of(axis, move.of)
     return None if whole is None or not 0.0 < whole < math.inf else whole * value
-
-
-def within_limits(axis: Axis) -> bool:
-    """Return whether the numbers of an axis are within its `[limits]`."""
-    return all(
-        low - _ROUNDING * abs(low) <= now <= high + _ROUNDING * abs(high)
-        for name, (low, high) in axis.limits.items()
-        if (now := number_of(axis, limited(name))) is not None
-    )
-
-
-def limited(name: str) -> str:
-    """Return the key that a key of `[limits]` limits: ``axis.mass``."""
-    return f"axis.{name}" if name in BY_SECTION["axis"] else f"drive.{name}"

@@ -82,7 +82,6 @@ UNITS: Final = {
             "N": "F_s F_k",
             "N/m": "stiffest",
             "that of `unit` beside it": "now then",
-            "SI, as the key of the axis file": "limits",
             "SI, as the number that it belongs to": "spread",
             "SI, as the parameters of the friction law": "own",
         }.items()

@@ -286,8 +286,8 @@ def measures(verdict: Verdict) -> Grid:
                 " ".join(
                     (
                         *(f"Needs: {need}." for need in one.needs),
-                        *(f"Costs: {_low(cost)}" for cost in one.costs),
-                        *(f"No help: {_low(idle)}" for idle in one.idle),
+                        *(f"Costs: {cost}" for cost in one.costs),
+                        *(f"No help: {idle}" for idle in one.idle),
                     )
                 ),
             )
@@ -316,11 +316,6 @@ def _at_target(verdict: Verdict, one: AxisMeasure) -> str:
     if verdict.axis.drive is None or one.effort == "program":
         return NONE
     return "rests" if one.hunts is None else f"hunts {told(one.hunts, 'm')}"
-
-
-def _low(text: str) -> str:
-    """Return a sentence as it goes on behind a colon."""
-    return text if text[:2].isupper() else text[:1].lower() + text[1:]
 
 
 def helping(verdict: Verdict) -> tuple[str, ...]:
