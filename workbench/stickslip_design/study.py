@@ -128,8 +128,6 @@ def _measures(
     axis: Axis, points: Sequence[OperatingPoint], critical: float, rest: Hunting | None
 ) -> tuple[tuple[Found, ...], dict[str, tuple[str, ...]]]:
     """Return the measures that help, where a feed judders or the axis hunts."""
-    if judder(points) is None and rest is None:
-        return (), {}
     found = {"critical_feed": critical} if critical < math.inf else {}
     return measures(axis, points, found | ({"hunting.dead_band": rest.dead_band} if rest else {}))
 

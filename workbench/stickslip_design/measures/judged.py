@@ -28,7 +28,7 @@ from ..loop.critical import (
 from ..loop.rest import hunting
 from ..loop.stability import is_stable, unstable_feeds
 from ..one_thread import one_thread
-from ..verdict import EFFORTS, AxisMeasure, Change, OperatingPoint, margin_of
+from ..verdict import EFFORTS, AxisMeasure, Change, OperatingPoint, judder, margin_of
 from .catalogue import Measure, catalogue
 from .moving import applies, number_of, with_measure
 
@@ -87,6 +87,8 @@ def measures(
         near = get_close_matches(unknown[0], catalogue(), 3, 0.3)
         remedy = f"nearest: {', '.join(near)}" if near else "docs/cures.md lists them"
         raise AxisError("is no measure of the catalogue", "limits.without", unknown[0], "", remedy)
+    if judder(points) is None and "hunting.dead_band" not in verdict:
+        return (), {}
     judge = _Judge(axis, points, verdict)
     tried = [judge.tried(measure) for measure in catalogue().values()]
     alone = [one for one in tried if isinstance(one, _Tried)]

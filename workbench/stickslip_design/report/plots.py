@@ -129,7 +129,7 @@ def feeds(verdict: Verdict, width: float = WIDE) -> Figure | None:
 
 
 def before_and_after(verdict: Verdict, width: float = WIDE) -> Figure | None:
-    """Draw the table's motion after a break-away, as the axis is and with the smallest change.
+    """Draw the table's motion after a break-away, as the axis is and with the first measure.
 
     How far it is ahead of an even motion [um] over the time [ms]; None where nothing judders, or
     nothing cures it.
@@ -143,7 +143,7 @@ def before_and_after(verdict: Verdict, width: float = WIDE) -> Figure | None:
         on = page.add_axes((left, low, 1.0 - left - right, 1.0 - low - high))
         for motion, colour, line, name in (
             (verdict.before, ORANGE, "-", "as it is"),
-            (verdict.after, BLUE, (0, (5, 1.5)), "with the smallest change"),
+            (verdict.after, BLUE, (0, (5, 1.5)), "with the first measure"),
         ):
             ahead = 1e6 * (motion.ahead - motion.ahead.mean())
             on.plot(_MM * motion.time, ahead, color=colour, ls=line, lw=1.5, label=name)
