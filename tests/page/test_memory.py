@@ -81,7 +81,7 @@ def test_the_browser_leads_back_over_links_and_presses(window: Window) -> None:
     # A link means the same in a fresh window and in a used one.
     assert window.setting == {**START, "k": 3000.0}
     address(window)
-    window.js("history.back()")
+    window.page.go_back()
     window.until("stickslip.setting.k === 2000")
     assert (window.paths(), window.view) == shown
     assert window.setting["v"] == 0.05

@@ -69,7 +69,7 @@ def test_any_step_is_opened_by_its_link_and_left_by_what_is_tried(window: Window
         window.page.click(f".steps a[href='#step={n}']")
         window.until("n => !document.getElementById(`step=${n}`).hidden", n)
         assert window.setting == STEPS[n]
-    window.js("history.back()")
+    window.page.go_back()
     window.until("!document.getElementById('step=9').hidden")
     assert window.setting == STEPS[9]
     address(window, "step=9")
