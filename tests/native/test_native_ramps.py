@@ -136,25 +136,28 @@ def test_the_motion_is_that_of_the_equations(law: str, sized: Sized) -> None:
     fmu = loaded(built("native-2", law))
     for seed in range(sized(200)):
         start, given = drawn(law, seed)
-        right = pytest.approx(integrated(start, *given), rel=2e-9, abs=1e-11)
+        # At the kinks of a curve SciPy is off by more.
+        close = 1e-11 if law == "coulomb" else 2e-9
+        right = pytest.approx(integrated(start, *given), rel=close, abs=1e-3 * close)
         assert ramped(fmu, *given, **start) == right, seed
         assert ramped(fmu, *given, pieces=7, **start) == right, seed
 
 
-def test_a_long_ramp_is_what_many_held_steps_go_to() -> None:
-    fmu, rates = loaded(built("native-2")), {"v": 0.05, "load": 0.0, "F_ext": 0.0}
+@pytest.mark.parametrize("law", ["coulomb", "stribeck"])
+@pytest.mark.parametrize("start", [{"z_start": 0.00481}, {"x_dot_start": 0.2}])
+def test_a_ramp_is_what_many_held_steps_go_to(law: str, start: dict[str, Any]) -> None:
+    fmu, rates = loaded(built("native-2", law)), {"v": 0.8, "load": 0.0, "F_ext": 0.0}
 
     def held(count: int) -> Any:
-        instance = fmu.started()
+        instance = fmu.started(**start)
         for n in range(count):
-            instance.set(v=0.02 + 0.05 * (n + 0.5) / count)
-            instance.step(1.0 / count)
+            instance.set(v=0.02 + 0.008 * (n + 0.5) / count)
+            instance.step(0.01 / count)
         return np.array(instance.get(*MOTION))
 
     few, many = held(10_000), held(20_000)
-    found = ramped(fmu, 1.0, REST, rates)
-    assert found[5] == 4
-    assert found == pytest.approx(many + (many - few) / 3.0, rel=1e-7, abs=1e-9)
+    found = ramped(fmu, 0.01, REST, rates, **start)
+    assert found == pytest.approx(many + (many - few) / 3.0, rel=1e-9, abs=1e-12)
 
 
 def test_the_error_of_a_wave_is_of_second_order_in_the_step() -> None:
@@ -175,7 +178,7 @@ def test_the_error_of_a_wave_is_of_second_order_in_the_step() -> None:
     assert (coarse - finest) / (fine - finest) == pytest.approx(4.0, abs=0.7)
 
 
-def test_fmi_3_asks_for_the_inputs_at_the_end_of_a_step(capfd: Any) -> None:
+def test_fmi_3_asks_for_the_inputs_at_the_end_of_a_step() -> None:
     fmu, asked = loaded(built("native-3")), []
     wanted = (c.c_uint32 * 1)(fmu.references["v"])
     pointer, yes = c.c_void_p, c.c_bool

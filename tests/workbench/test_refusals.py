@@ -111,7 +111,7 @@ REFUSED = [
     ("verify --contract exact --strict", "--strict does not go with --contract"),
     ("verify --contract exact --pack", "--pack does not go with --contract"),
     ("verify --interface me", "--interface me goes with --fmu"),
-    ("verify --interface me --fmu {fmu} --strict", "--interface me goes with the physics contract"),
+    ("verify --interface me --fmu {fmu} --strict", "do not go with --interface me"),
     ("verify -o text.fmu/report", "-o "),
     ("sweep text.fmu plan.toml", "text.fmu: not an FMU (not a zip archive)"),
     ("sweep text.fmu", "--template"),

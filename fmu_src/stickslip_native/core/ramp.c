@@ -21,8 +21,6 @@ static const double BRIEF = 9.313225746154785e-10;
 static const double SHORTER = 0.8, QUICKER = 1048576.0;
 /* Length of a piece of a growth in stick, as parts of its time constant and of t_0 and its age. */
 static const double EXPONENTIAL = 2.0, LOGARITHM = 0.2, OVER = 40.0;
-/* The rest test forgives so much of the forces: sticking.c. */
-static const double SLACK = 8.0 * 2.220446049250313e-16;
 enum { MOST_TRIALS = 200, MOST_PIECES = 1 << 20, TERMS = ORDER + 1 };
 
 /* Where the motion is, with the inputs and their rates. */
@@ -115,7 +113,7 @@ static enum refusal pass_stick(struct walk *it)
         double zero;
         for (int j = 0; j < count; j++) lacks[j] = hold[j] - (j < 3 ? sign * force[j] : 0.0);
         const double exact = lacks[0];
-        lacks[0] += SLACK * (fabs(it->k * it->z) + fabs(it->F_ext) + hold[0]);
+        lacks[0] += rest_slack(it->k * it->z, it->F_ext, hold[0]);
         if (!falls_to_zero(lacks, count, 1.0, &zero)) continue;
         lacks[0] = exact;
         const struct polynomial within = {lacks, count};

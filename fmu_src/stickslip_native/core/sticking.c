@@ -5,11 +5,15 @@
 /* The rest test forgives rounding: 8 units in the last place of the forces it compares. */
 static const double SLACK = 8.0 * 2.220446049250313e-16;
 
+double rest_slack(double spring, double external, double break_away)
+{
+    return SLACK * (fabs(spring) + fabs(external) + break_away);
+}
+
 int direction_from_rest(double spring, double external, double break_away)
 {
     const double force = spring + external;
-    const double slack = SLACK * (fabs(spring) + fabs(external) + break_away);
-    if (fabs(force) <= break_away + slack) return 0;
+    if (fabs(force) <= break_away + rest_slack(spring, external, break_away)) return 0;
     return force > 0.0 ? 1 : -1;
 }
 

@@ -7,6 +7,9 @@
 
 extern const struct arc_functions STICK_FUNCTIONS;
 
+/* What the rest test forgives [N]. */
+double rest_slack(double spring, double external, double break_away);
+
 /* 0 if the mass stays at rest, or the sign of the slip that starts: (4).
  * Spring force k z, external force and break-away force [N]. */
 int direction_from_rest(double spring, double external, double break_away);

@@ -76,8 +76,8 @@ def verify(
         "--names goes with --fmu: the default FMU has the standard names": names and not fmu,
         "--interface me goes with --fmu: the default FMU has co-simulation alone": solved
         and not fmu,
-        "--interface me goes with the physics contract: the FMU does not solve itself": solved
-        and (strict or pack or contract == "exact"),
+        "--strict, --pack and the exact contract do not go with --interface me: the motion is that "
+        "of the solver, not of the FMU": solved and (strict or pack or contract == "exact"),
         "--strict does not go with --contract": contract and strict,
         "--pack does not go with --contract": contract and pack,
         "--pack does not go with --names: only the exact block takes evidence": pack and names,
