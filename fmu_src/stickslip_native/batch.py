@@ -1,21 +1,16 @@
-"""The native block in Python, for many runs in one call: compiled once a process, then called."""
+"""The native block in Python, for many runs in one call: compiled once, then called."""
 
-import contextlib
 import ctypes
 import math
-import shutil
-import tempfile
 from array import array
 from functools import lru_cache
-from pathlib import Path
 from typing import Any, Iterator, Mapping, NamedTuple, Optional, Protocol, Union
 
 from fmi.table import Variable
 from stickslip_fmu.laws.named import COULOMB_NAME
 
-from .compiler import Compiler, CompilerError, compiler_for
+from .library import load
 from .named import HOME, native_law
-from .platforms import current
 from .table import table_files
 
 _FILES = ("core/*.[ch]", "face/text.[ch]", "face/export.h", "batch/*.c")
@@ -139,32 +134,7 @@ def _function(law: str) -> Any:
     files = [file for pattern in _FILES for file in HOME.glob(pattern)]
     files = [file for file in files if file.name not in _BESIDE]
     sources.update((file.name, file.read_bytes()) for file in (*files, *own))
-    target = current()
-    compiler = _compiler()
-    assert target is not None
-    library = compiler.library(sources, "batch", target)
-    folder = tempfile.mkdtemp(prefix="stickslip-")
-    try:
-        file = Path(folder, f"batch{target.suffix}")
-        file.write_bytes(library)
-        function = ctypes.CDLL(str(file)).first_slips
-    finally:
-        # Windows keeps the file of a library that is in use.
-        with contextlib.suppress(OSError):
-            shutil.rmtree(folder)
+    function = load("batch", sources).first_slips
     function.restype = ctypes.c_size_t
     function.argtypes = [ctypes.c_void_p, ctypes.c_size_t, ctypes.c_void_p, ctypes.c_char_p]
     return function
-
-
-def _compiler() -> Compiler:
-    """Return a compiler for this machine; raises CompilerError with the remedy if there is none."""
-    if current() is None:
-        return compiler_for(this_machine=True)
-    for this_machine in (True, False):
-        with contextlib.suppress(CompilerError):
-            return compiler_for(this_machine)
-    raise CompilerError(
-        "the native core needs a C compiler: install gcc or clang as the program cc, or "
-        "pip install 'stickslip[native]'"
-    )

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from stickslip_native import batch
+from stickslip_native import batch, library
 from stickslip_native.batch import FirstSlips, Numbers, first_slips
 from stickslip_native.compiler import CompilerError
 from stickslip_native.named import native_law
@@ -131,11 +131,15 @@ def test_a_wrong_value_of_a_batch_is_refused_with_its_run(
         first_slips(values, law)
 
 
-def test_without_a_compiler_the_batch_says_what_to_install(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_without_a_compiler_the_batch_says_what_to_install(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
     def none(this_machine: bool) -> None:
         raise CompilerError("there is none")
 
-    monkeypatch.setattr(batch, "compiler_for", none)
+    monkeypatch.setattr(library, "compiler_for", none)
+    # What was compiled is kept.
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
     clear: Callable[[], None] = batch._function.cache_clear
     clear()
     with pytest.raises(CompilerError, match=r"install gcc or clang .* pip install"):

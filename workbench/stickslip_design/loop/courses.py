@@ -8,23 +8,22 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from functools import cache, cached_property
+from functools import cache, cached_property, partial
 from itertools import pairwise, takewhile
 from typing import Final, Literal, NamedTuple
-
-import numpy as np
 
 from stickslip_ref import SETTLED, STICKS, Interval, Kind, Regime, StickSlip, Swinging, merged
 
 from ..axis import Axis
 from ..one_thread import one_thread
 from .jumps import Limit, beginnings, limit_of_jumps, loaded
-from .motion import Motion, Point, after, extreme, margins_of
-from .stability import swing
-from .system import LAST, MOTOR, SPEED, TABLE, Mode, System, line_at
+from .motion import Point, Turn, Walk, Watched, walk
+from .stability import decays, settling, swing
+from .system import LAST, MOTOR, SPEED, Mode, line_at, system_of
 
 Begin = Literal["rest", "jumps", "struck", "even"]
 
+_EXTREMES: Final = ("peak", "dip")
 _DEVIATION: Final = 0.02
 """Of the table's speed from the feed where a motion near even sliding begins."""
 _STEADY: Final = 1e-3
@@ -54,6 +53,8 @@ _BESIDE: Final = 1e-3
 """Time beside an extreme in which no other is looked for, in periods."""
 _MOST: Final = 6_000
 """Events that are followed."""
+_AHEAD: Final = 16
+"""Events of the table that are followed at once."""
 _LONGEST: Final = 400.0
 """Times the period of a swing of the table on its spring that are followed after a slip begins."""
 
@@ -70,24 +71,13 @@ class Course(NamedTuple):
     """Time from the first break-away until it is even [s]; infinite where it does not end so."""
 
 
-class Extreme(NamedTuple):
-    """An event of the table: its name, time [s], and the table's place [m] and speed [m/s]."""
-
-    name: str
-    time: float
-    place: float
-    speed: float
-    mode: Mode
-
-
 class Courses:
     """The motions of a servo axis at one feed [m/s], above 0."""
 
     def __init__(self, axis: Axis, feed: float) -> None:
         self._axis, self._feed = axis, feed
-        self._system = System(axis)
-        self._motion = Motion(self._system)
-        self._decays = cache(lambda line: swing(axis, line=line).damping > 0.0)
+        self._system = system_of(axis)
+        self._decays = cache(partial(decays, self._system))
 
     @one_thread
     def course(self, begin: Begin) -> Course:
@@ -102,16 +92,26 @@ class Courses:
 
     def _followed(
         self, mode: Mode, point: Point, most: float = math.inf
-    ) -> tuple[list[Extreme], Course | None]:
+    ) -> tuple[list[Turn], Course | None]:
         """Return the events up to where the motion leads, or to a run of `most` extremes."""
-        events: list[Extreme] = []
-        for event in self._events(mode, point):
-            events.append(event)
-            found = self._sticks(events) if event.name == "stop" else self._swings(events)
-            if found is not None:
-                return events, found
-            if len(events) >= most and len(self._run(events)) >= most:
-                break
+        events: list[Turn] = []
+        sticks: list[int] = []
+        count = 0
+        following = self._walk(mode, point)
+        while turns := following.turns(_AHEAD):
+            for turn in turns:
+                events.append(turn)
+                count = count + 1 if turn.event in _EXTREMES else 0
+                if turn.mode.table == 0:
+                    sticks.append(len(events) - 1)
+                stopped = turn.event == "stop"
+                found = self._sticks(events, sticks) if stopped else self._swings(events, count)
+                if found is not None:
+                    return events, found
+                if count >= most:
+                    return events, None
+        if following.settled is not None:
+            return events, Course("even", settling=self._settling(events, following.settled))
         return events, None
 
     def _start(self, begin: Begin) -> tuple[Mode, Point]:
@@ -144,52 +144,23 @@ class Courses:
         line = next(n for n, line in enumerate(system.lines) if state[SPEED] <= line.high)
         return Mode(1, 1, line), Point(state, 0.0)
 
-    def _events(self, mode: Mode, point: Point) -> Iterator[Extreme]:
-        """Follow stops, break-aways and extremes of the speed, with the set point's ramp."""
-        system, axis = self._system, self._axis
+    def _walk(self, mode: Mode, point: Point) -> Walk:
+        """Begin to follow the events of the table and extremes of its speed, with the ramp."""
+        axis, feed = self._axis, self._feed
         period = 2.0 * math.pi * math.sqrt(axis.m / axis.k)
-        passed, rising, turned = 0.0, False, False
-        ramp = float(point.state[system.layout.acceleration])
-        left = self._feed / ramp if ramp else math.inf
+        ramp = float(point.state[self._system.layout.acceleration])
         # What holds is loaded by the feed; a drive that lags or turns back takes longer.
-        end = 8.0 * axis.F_s / (axis.k * self._feed) + _LONGEST * period
-        for _ in range(_MOST):
-            margins = margins_of(system, mode)
-            until = min(left, end)
-            if turned:
-                # Beside an extreme its own rounding would be the next one.
-                until = min(until, _BESIDE * period)
-            elif mode.table:
-                margins += (extreme(system, mode, rising=rising),)
-            reached = self._motion.follow(mode, margins, point, until)
-            elapsed = float(reached.elapsed)
-            passed, left, end = passed + elapsed, left - elapsed, end - elapsed
-            if reached.event is None and left <= 0.0:
-                state = reached.point.state.copy()
-                state[[system.layout.feed, system.layout.acceleration]] = self._feed, 0.0
-                point, left = Point(state, reached.point.offset), math.inf
-                continue
-            if reached.event is None and end <= 0.0:
-                return
-            before, turned = mode, reached.event in ("peak", "dip")
-            mode, point = after(system, mode, reached)
-            if turned:
-                rising = not rising
-            elif mode.table != before.table:
-                rising = mode.table > 0
-                end = max(end, _LONGEST * period)
-            else:
-                continue
-            assert reached.event is not None
-            speed = float(point.state[SPEED])
-            yield Extreme(reached.event, passed, float(point.state[TABLE]), speed, mode)
+        longest = _LONGEST * period
+        end, ends = 8.0 * axis.F_s / (axis.k * feed) + longest, feed / ramp if ramp else math.inf
+        # Which line that is follows from the feed.
+        line = next(n for n, line in enumerate(self._system.lines) if feed <= line.high)
+        settles = settling(axis) if self._decays(line) else math.inf
+        watched = Watched(end, longest, _MOST, ends, feed, _BESIDE * period, settles=settles)
+        return walk(self._system, mode, point, watched)
 
-    def _sticks(self, events: list[Extreme]) -> Course | None:
+    def _sticks(self, events: list[Turn], sticks: list[int]) -> Course | None:
         """Return the cycle where sticks go on alike, None where that is not yet certain."""
-        if events[-1].mode.table:
-            return None
-        sticks = [number for number, event in enumerate(events) if event.mode.table == 0]
-        if len(sticks) <= _STICKS:
+        if events[-1].mode.table or len(sticks) <= _STICKS:
             return None
         last = sticks[-max(_STICKS, len(sticks) // 2) - 1 :]
         cycle = self._cycle(events, last)
@@ -201,50 +172,51 @@ class Courses:
             return None
         return Course("sticks", stick_slip=cycle)
 
-    def _cycle(self, events: list[Extreme], sticks: list[int]) -> StickSlip:
+    def _cycle(self, events: list[Turn], sticks: list[int]) -> StickSlip:
         reverses = any(event.mode.table < 0 for event in events[sticks[0] : sticks[-1]])
         count = len(sticks) - 1
         way = events[sticks[-1]].place - events[sticks[0]].place
         time = events[sticks[-1]].time - events[sticks[0]].time
         return StickSlip(way / count, time / count, reverses)
 
-    def _swings(self, events: list[Extreme]) -> Course | None:
-        """Return even motion or a steady swing; None where that is not yet certain."""
-        if events[-1].name not in ("peak", "dip"):
+    def _swings(self, events: list[Turn], count: int) -> Course | None:
+        """Return even motion or a steady swing; None where that is not yet certain.
+
+        The last `count` events are extremes.
+        """
+        if count < _SWINGS:
             return None
-        run = self._run(events)
-        if len(run) < _SWINGS:
-            return None
-        last = run[-_SWINGS:]
-        off = max(abs(event.speed / self._feed - 1.0) for event in last)
+        last = [event.speed for event in events[-_SWINGS:]]
+        off = max(abs(speed / self._feed - 1.0) for speed in last)
         still = off < _STILL and self._even_is_stable
         if still or (off < SETTLED and self._in_stable_line(last)):
             return Course("even", settling=self._settling(events))
-        if len(run) < 3 * _LAST:
+        if count < 3 * _LAST:
             return None
-        first, before, now = _heights(run)
+        first, before, now = _heights(events)
         steady = max(abs(before / first - 1.0), abs(now / before - 1.0)) < _STEADY
         if steady and not self._in_stable_line(last):
-            return Course("swings", swing=self._swing(run))
+            return Course("swings", swing=self._swing(self._run(events)))
         return None
 
-    def _run(self, events: list[Extreme]) -> list[Extreme]:
+    def _run(self, events: list[Turn]) -> list[Turn]:
         """Return the last extremes, back to the last stop or break-away."""
-        run = takewhile(lambda event: event.name in ("peak", "dip"), reversed(events))
+        run = takewhile(lambda event: event.event in _EXTREMES, reversed(events))
         return [*run][::-1]
 
     @cached_property
     def _even_is_stable(self) -> bool:
         return swing(self._axis, line=line_at(self._axis, self._feed)).damping >= 0.0
 
-    def _in_stable_line(self, run: list[Extreme]) -> bool:
-        """Return whether a swing stays on the feed's line of the friction, and decays there."""
-        speeds = [self._feed, *(event.speed for event in run)]
-        low, high = min(speeds), max(speeds)
-        lines = (line for line in self._system.lines if line.low <= low and high <= line.high)
-        return any(map(self._decays, lines))
+    def _in_stable_line(self, run: list[float]) -> bool:
+        """Return whether a swing of such speeds stays on the feed's line, and decays there."""
+        low, high = min(self._feed, *run), max(self._feed, *run)
+        lines = enumerate(self._system.lines)
+        return any(
+            line.low <= low and high <= line.high and self._decays(number) for number, line in lines
+        )
 
-    def _swing(self, run: list[Extreme]) -> Swinging:
+    def _swing(self, run: list[Turn]) -> Swinging:
         """Return the swing of the last extremes; of one that is not even, its whole range.
 
         A period is from a rise past the feed to the next: not each extreme of a swing lies beyond.
@@ -254,21 +226,25 @@ class Courses:
         frequency = (len(last) - 1) / (last[-1] - last[0]) if len(last) > 1 else math.nan
         return Swinging(0.5 * _heights(run, 1)[0] / self._feed, frequency)
 
-    def _settling(self, events: list[Extreme]) -> float:
-        """Return the time from the first break-away until the speed stays near the feed [s]."""
-        begin = events[0].time
+    def _settling(self, events: list[Turn], last: float = 0.0) -> float:
+        """Return the time from the first break-away until the speed stays near the feed [s].
+
+        That is its first extreme there; `last` is when it was away last, if no extreme follows.
+        """
         off = [n for n, event in enumerate(events) if abs(event.speed / self._feed - 1.0) > SETTLED]
         if not off:
             return 0.0
-        return events[min(off[-1] + 1, len(events) - 1)].time - begin
+        following = events[off[-1] + 1 :]
+        end = following[0].time if following else max(last, events[-1].time)
+        return end - events[0].time
 
-    def _last(self, events: list[Extreme]) -> Course:
+    def _last(self, events: list[Turn]) -> Course:
         """Return where a motion leads that was followed to the end of its time."""
         run = self._run(events)
         sticks = [number for number, event in enumerate(events) if event.mode.table == 0]
         if len(sticks) > 2 and sticks[-1] >= len(events) - 2 - 2 * _SWINGS:
             return Course("sticks", stick_slip=self._cycle(events, sticks[len(sticks) // 2 :]))
-        if not run or (events and events[-1].mode.table == 0):
+        if not run or events[-1].mode.table == 0:
             # It creeps up to the feed without an extreme, or was never pulled away.
             return Course("even", settling=0.0)
         if len(run) < 3 * _LAST:
@@ -321,11 +297,11 @@ def jolted(axis: Axis, feed: float) -> Iterator[Kind]:
     yield courses.course("struck").kind
 
 
-def _heights(run: list[Extreme], windows: int = 3) -> list[float]:
+def _heights(run: list[Turn], windows: int = 3) -> list[float]:
     """Return the ranges of the speed over the last windows of extremes [m/s]."""
     speeds = [extreme.speed for extreme in run[-windows * _LAST :]]
-    ranges: list[float] = np.ptp(np.reshape(speeds, (windows, -1)), axis=1).tolist()
-    return ranges
+    parts = (speeds[begin : begin + _LAST] for begin in range(0, len(speeds), _LAST))
+    return [max(part) - min(part) for part in parts]
 
 
 def regime_in_loop(axis: Axis, feed: float, limit: Limit | None = None) -> Regime:

@@ -26,9 +26,9 @@ from stickslip_ref import (
 from ..axis import Axis
 from .courses import jolted, jump_ranges, regime_in_loop
 from .jumps import Limit, limit_of_jumps, loaded
-from .motion import Motion, walk
+from .motion import MOST_TURNS, Watched, walk
 from .stability import is_stable, swing, unstable_feeds
-from .system import TABLE, Mode, System, line_at
+from .system import TABLE, Mode, line_at, system_of
 
 _CYCLES: Final = 12
 """Cycles after which a jump under a law without a closed form is read."""
@@ -168,12 +168,13 @@ def record(axis: Axis, feed: float, span: float) -> Record:
         law, own = axis.friction.law, axis.friction.own
         run = simulate(axis.block(feed), load_up + span, times=load_up + time, law=law, own=own)
         return Record(time, run.x - run.x[0] - feed * time)
-    motion = Motion(System(axis))
-    mode, point = Mode(0, 1), loaded(motion.system, feed)
+    system = system_of(axis)
+    mode, point = Mode(0, 1), loaded(system, feed)
     place = np.empty_like(time)
     for number, step in enumerate(np.diff(time, prepend=0.0)):
-        *_, turn = walk(motion, mode, point, float(step))
-        mode, point = turn.mode, turn.point
+        following = walk(system, mode, point, Watched(float(step)))
+        following.turns(MOST_TURNS)
+        mode, point = following.mode, following.point
         place[number] = point.state[TABLE]
     if not math.isfinite(float(place[-1])):
         place[:] = math.nan

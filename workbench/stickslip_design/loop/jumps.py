@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 import math
+from functools import cache, partial
 from typing import Final, NamedTuple
 
 import numpy as np
 
 from ..axis import Axis
 from ..one_thread import one_thread
-from .motion import OF_TABLE, Motion, Point, Turn, extreme, walk
-from .system import LAST, MOTOR, SPEED, TABLE, Mode, System, lines_of
+from .motion import Point, Watched, walk
+from .stability import decays, settling
+from .system import LAST, Mode, System, lines_of, system_of
 
 _CYCLES: Final = 12
 """Cycles at each feed: the first half lets it settle, over the second samples fall differently."""
@@ -62,38 +64,32 @@ class Jumping:
     """
 
     def __init__(self, axis: Axis, feed: float) -> None:
-        self._system = System(axis)
-        self._motion = Motion(self._system)
+        self._system = system_of(axis)
         self.feed = feed
         self._at = loaded(self._system, feed)
+        self._decays = cache(partial(decays, self._system))
 
     def at(self, feed: float) -> list[Jump] | None:
         """Return the jumps of some cycles at a feed [m/s]; None, and stay, where they end."""
-        system, axis = self._system, self._system.axis
-        # Within a swing; where the friction falls, going on so could grow without end.
-        swing = 2.0 * math.pi * math.sqrt(axis.m / axis.k)
-        event = self._followed(Mode(0, 1), self._moved(feed))
-        if event is None:
-            return None
+        axis = self._system.axis
+        w = math.sqrt(axis.k / axis.m)
+        longest = _LONGEST / w + 4.0 * axis.F_s / (axis.k * self.feed)
+        # The least speed comes within a swing; where the friction falls, going on so could grow
+        # without end.
+        line = next(n for n, line in enumerate(self._system.lines) if feed <= line.high)
+        settles = settling(axis) if self._decays(line) else math.inf
+        watched = Watched(longest, longest, least=2.0 * math.pi / w, rebased=True, settles=settles)
+        following = walk(self._system, Mode(0, 1), self._moved(feed), watched)
+        turns = following.turns(1)
         jumps: list[Jump] = []
-        for _ in range(_MOST):
-            if len(jumps) >= _CYCLES and self._settled(jumps):
-                break
-            slip = self._followed(event.mode, event.point) if event.mode.table == 1 else None
-            if slip is None:
+        while len(jumps) < _CYCLES or not (self._settled(jumps) or len(jumps) >= _MOST):
+            count = 2 if jumps else 2 * _CYCLES
+            turns = turns[-1:] + following.turns(count)
+            if len(turns) <= count or any(turn.mode.table != 1 for turn in turns[:-1:2]):
                 return None
-            turn = extreme(system, slip.before, rising=False)
-            least = self._motion.follow(slip.before, (turn,), slip.reached.point, swing)
-            way = float(slip.point.state[TABLE] - event.point.state[TABLE])
-            # The table is at 0 again.
-            state, offset = slip.point.state.copy(), slip.point.offset
-            state[[MOTOR, TABLE, LAST, system.layout.command]] -= state[TABLE]
-            event = self._followed(slip.mode, Point(state, offset))
-            if event is None:
-                return None
-            period = slip.time + event.time
-            jumps.append(Jump(way, period, float(least.point.state[SPEED])))
-        self._at, self.feed = event.reached.point, feed
+            for begin, stop, end in zip(turns[::2], turns[1::2], turns[2::2], strict=False):
+                jumps.append(Jump(stop.place, end.time - begin.time, stop.least))
+        self._at, self.feed = following.point, feed
         return jumps
 
     def _settled(self, jumps: list[Jump]) -> bool:
@@ -106,13 +102,6 @@ class Jumping:
         ways = [jump.way for jump in jumps[-_CYCLES:]]
         before, last = sum(ways[: _CYCLES // 2]), sum(ways[_CYCLES // 2 :])
         return abs(last / before - 1.0) <= _STEADY
-
-    def _followed(self, mode: Mode, point: Point) -> Turn | None:
-        """Follow to the next event of the table, past those of the motor; None where none comes."""
-        axis = self._system.axis
-        longest = _LONGEST * math.sqrt(axis.m / axis.k) + 4.0 * axis.F_s / (axis.k * self.feed)
-        turns = walk(self._motion, mode, point, longest)
-        return next((turn for turn in turns if turn.event in OF_TABLE), None)
 
     def _moved(self, feed: float) -> Point:
         """Return where the cycle stands, with an even motion of the difference in feed added."""

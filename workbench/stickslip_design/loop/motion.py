@@ -8,20 +8,21 @@ is a cubic, which also finds what dips below 0 and comes back within a part.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator
-from typing import Any, Final, NamedTuple
+from collections.abc import Iterable
+from functools import lru_cache
+from typing import Any, Final, NamedTuple, Protocol
 
 import numpy as np
 from scipy.linalg import expm
 from scipy.optimize import brentq
 
-from .system import FORCE, MOTOR, MOTOR_SPEED, SPEED, TABLE, Matrix, Mode, System, Vector
+from stickslip_ref import SETTLED
+
+from .native import COLUMNS, EVENTS, Native, NativeWalk, native_of
+from .system import FORCE, LAST, MOTOR, MOTOR_SPEED, SPEED, TABLE, Matrix, Mode, System, Vector
 
 MOST_TURNS: Final = 50_000
 """Events after which a walk ends."""
-
-OF_TABLE: Final = ("stop", "forward", "backward")
-"""Events between rest and slip of the table; others are of the motor, or on the way of a slip."""
 
 _SAMPLES: Final = 64
 """Samples of a trace."""
@@ -190,35 +191,184 @@ class Motion:
 
 
 class Turn(NamedTuple):
-    """An event on the way: its time [s] and name, how and from where it goes on, and how it came.
+    """An event of the table: its name, time [s], place [m] and speed [m/s], and how it goes on."""
 
-    `reached` is the end of a motion in the mode `before`.
-    """
-
-    time: float
     event: str
+    time: float
+    place: float
+    speed: float
     mode: Mode
-    point: Point
-    before: Mode
-    reached: Event
+    least: float = math.nan
+    """At a stop, the speed that the slip without rest would have fallen to [m/s], if watched."""
 
 
-def walk(motion: Motion, mode: Mode, point: Point, until: float) -> Iterator[Turn]:
-    """Follow a motion from event to event, up to a time [s] after its start.
+class Watched(NamedTuple):
+    """How long a motion is followed, and what is watched on the way; times in s."""
 
-    The last turn is named "time". A walk of more than `MOST_TURNS` events ends before.
-    """
-    passed = 0.0
-    for _ in range(MOST_TURNS):
-        margins = margins_of(motion.system, mode)
-        reached = motion.follow(mode, margins, point, until - passed)
-        passed += reached.elapsed
-        if reached.event is None:
-            yield Turn(until, "time", mode, reached.point, mode, reached)
-            return
-        before = mode
-        mode, point = after(motion.system, mode, reached)
-        yield Turn(passed, reached.event, mode, point, before, reached)
+    end: float
+    """The time after which it ends."""
+    renewed: float = 0.0
+    """What is left of it at least after an event of the table between rest and slip."""
+    most: int = MOST_TURNS
+    """Events, those of the motor among them, after which it ends."""
+    ramp: float = math.inf
+    feed: float = 0.0
+    """When the set point's ramp ends, and at which feed [m/s]."""
+    beside: float = 0.0
+    """Time after an extreme of the speed in which no other is looked for: its own rounding would be
+    one. With 0 extremes are no events."""
+    least: float = 0.0
+    """Time in which the least speed of a slip is sought; 0: it is not."""
+    rebased: bool = False
+    """Whether the table is put at 0 after each stop."""
+    settles: float = math.inf
+    """The time after which motion within 1 % of the feed is taken as even for good."""
+
+
+class Walk(Protocol):
+    """A motion on its way."""
+
+    @property
+    def mode(self) -> Mode:
+        """How it moves."""
+
+    @property
+    def point(self) -> Point:
+        """Where it stands."""
+
+    @property
+    def over(self) -> bool:
+        """Whether its time is over."""
+
+    @property
+    def settled(self) -> float | None:
+        """When its speed came within 5 % of the feed [s], if it was ended as even for good."""
+
+    def turns(self, count: int) -> list[Turn]:
+        """Follow it to the next events of the table; fewer than `count` where it ends."""
+
+
+def walk(system: System, mode: Mode, point: Point, watched: Watched) -> Walk:
+    """Begin to follow a motion: in C, or in Python where there is no compiler."""
+    native = native_of(system)
+    if native is None:
+        return _PythonWalk(system, mode, point, watched)
+    return _NativeWalk(native, mode, point, watched)
+
+
+@lru_cache(maxsize=8)
+def _motion_of(system: System) -> Motion:
+    return Motion(system)
+
+
+class _NativeWalk:
+    def __init__(self, native: Native, mode: Mode, point: Point, watched: Watched) -> None:
+        self._native, self._state = native, point.state.copy()
+        self._settles = watched.settles
+        self._walk = NativeWalk(
+            self._state.ctypes.data, point.offset, 0.0, 0.0, 0.0, SETTLED, tuple(mode),
+            watched.ramp, watched.end, watched.renewed, watched.feed, watched.beside,
+            watched.least, watched.settles, watched.beside > 0.0, watched.rebased,
+            False, False, 0, watched.most,
+        )  # fmt: skip
+
+    @property
+    def mode(self) -> Mode:
+        mode = self._walk.mode
+        return Mode(mode.table, mode.motor, mode.line)
+
+    @property
+    def point(self) -> Point:
+        return Point(self._state, self._walk.offset)
+
+    @property
+    def over(self) -> bool:
+        return bool(self._walk.end <= 0.0)
+
+    @property
+    def settled(self) -> float | None:
+        walk = self._walk
+        return float(walk.off) if walk.near > self._settles else None
+
+    def turns(self, count: int) -> list[Turn]:
+        rows = np.empty((count, COLUMNS))
+        found = self._native.walk(self._walk, rows)
+        return [
+            Turn(EVENTS[int(event)], time, place, speed, Mode(*map(int, mode)), least)
+            for event, time, place, speed, least, *mode in rows[:found].tolist()
+        ]
+
+
+class _PythonWalk:
+    def __init__(self, system: System, mode: Mode, point: Point, watched: Watched) -> None:
+        self._motion, self._watched = _motion_of(system), watched
+        self.mode, self.point = mode, point
+        self._passed, self._left, self._end = 0.0, watched.ramp, watched.end
+        self._rising = self._turned = False
+        self._events = 0
+        self.settled: float | None = None
+
+    @property
+    def over(self) -> bool:
+        return self._end <= 0.0
+
+    def turns(self, count: int) -> list[Turn]:
+        turns: list[Turn] = []
+        while len(turns) < count and self._events < self._watched.most:
+            reached = self._next()
+            if reached.event is None and self._left <= 0.0:
+                self._end_ramp(reached.point)
+                continue
+            if reached.event is None and self._end <= 0.0:
+                self.point = reached.point
+                break
+            turns += self._passed_by(reached)
+        return turns
+
+    def _next(self) -> Event:
+        """Follow to the next event, or to the end of a time."""
+        system, watched = self._motion.system, self._watched
+        margins, until = margins_of(system, self.mode), min(self._left, self._end)
+        if self._turned:
+            until = min(until, watched.beside)
+        elif watched.beside > 0.0 and self.mode.table:
+            margins += (extreme(system, self.mode, rising=self._rising),)
+        reached = self._motion.follow(self.mode, margins, self.point, until)
+        self._events += 1
+        self._passed += reached.elapsed
+        self._left -= reached.elapsed
+        self._end -= reached.elapsed
+        return reached
+
+    def _end_ramp(self, point: Point) -> None:
+        layout, state = self._motion.system.layout, point.state.copy()
+        state[[layout.feed, layout.acceleration]] = self._watched.feed, 0.0
+        self.point, self._left = Point(state, point.offset), math.inf
+
+    def _passed_by(self, reached: Event) -> list[Turn]:
+        """Go on after an event; return it if it is one of the table."""
+        system, watched, before = self._motion.system, self._watched, self.mode
+        least = math.nan
+        if reached.event == "stop" and watched.least > 0.0:
+            dip = extreme(system, before, rising=False)
+            slowest = self._motion.follow(before, (dip,), reached.point, watched.least)
+            least = float(slowest.point.state[SPEED])
+        self.mode, self.point = after(system, before, reached)
+        self._turned = reached.event in ("peak", "dip")
+        if self._turned:
+            self._rising = not self._rising
+        elif self.mode.table != before.table:
+            self._rising = self.mode.table > 0
+            self._end = max(self._end, watched.renewed)
+        else:
+            return []
+        assert reached.event is not None
+        state = self.point.state
+        place = float(state[TABLE])
+        turn = Turn(reached.event, self._passed, place, float(state[SPEED]), self.mode, least)
+        if reached.event == "stop" and watched.rebased:
+            state[[MOTOR, TABLE, LAST, system.layout.command]] -= place
+        return [turn]
 
 
 def margins_of(system: System, mode: Mode) -> tuple[Margin, ...]:

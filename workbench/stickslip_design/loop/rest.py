@@ -10,8 +10,9 @@ from typing import Final, NamedTuple
 
 from ..axis import Axis
 from ..one_thread import one_thread
-from .motion import Motion, Point, walk
-from .system import TABLE, Mode, System
+from .motion import MOST_TURNS, Point, Turn, Watched, walk
+from .stability import settling
+from .system import Mode, System, system_of
 
 PERIODS: Final = 20
 """Periods over which a start settles; the last of them decides."""
@@ -29,43 +30,37 @@ def limit_from_rest(axis: Axis, acceleration: float, highest: float) -> float:
     It starts from rest, the spring relaxed, with an acceleration [m/s2] above 0. The feed is
     searched from the highest that is reached in jumps downwards.
     """
-    motion = Motion(System(axis))
+    system = system_of(axis)
     low = high = highest
     for _ in range(_MOST):
-        if low == 0.0 or _jumps(motion, acceleration, low):
+        if low == 0.0 or _jumps(system, acceleration, low):
             break
         high, low = low, _LOWER * low
     else:
         return 0.0
     while high - low > _CLOSE * high:
         middle = 0.5 * (low + high)
-        low, high = (middle, high) if _jumps(motion, acceleration, middle) else (low, middle)
+        low, high = (middle, high) if _jumps(system, acceleration, middle) else (low, middle)
     return low
 
 
-def _jumps(motion: Motion, acceleration: float, feed: float) -> bool:
+def _jumps(system: System, acceleration: float, feed: float) -> bool:
     """Return whether the table rests again in the last of the periods at a feed [m/s]."""
-    system = motion.system
     axis = system.axis
     held = system.held(axis.F_s / (axis.k * feed))
     relief = 2.0 * (held - axis.F_k) / axis.k
     period = relief / feed + 2.0 * math.pi * math.sqrt(axis.m / axis.k)
     state = system.at_rest()
     state[system.layout.acceleration] = acceleration
-    mode = Mode(0, 0 if system.drive.dry > 0.0 else 1)
-    *_, turn = walk(motion, mode, Point(state, 0.0), feed / acceleration)
-    if turn.event != "time":
-        return True
-    mode, (state, offset) = turn.mode, turn.point
-    state = state.copy()
-    state[[system.layout.feed, system.layout.acceleration]] = feed, 0.0
+    ramp = feed / acceleration
     # The first break-away comes when the motor has loaded the spring.
-    end = held / (axis.k * feed) + PERIODS * period
-    rested = -math.inf
-    for turn in walk(motion, mode, Point(state, offset), end):
-        if turn.event == "stop" and turn.mode.table == 0:
-            rested = turn.time
-    return turn.mode.table == 0 or turn.event != "time" or rested > end - period
+    end = ramp + held / (axis.k * feed) + PERIODS * period
+    mode = Mode(0, 0 if system.drive.dry > 0.0 else 1)
+    watched = Watched(end, ramp=ramp, feed=feed, settles=settling(axis))
+    following = walk(system, mode, Point(state, 0.0), watched)
+    turns = following.turns(MOST_TURNS)
+    rested = max((turn.time for turn in turns if turn.mode.table == 0), default=-math.inf)
+    return following.mode.table == 0 or not following.over or rested > end - period
 
 
 _SLIPS: Final = 24
@@ -94,28 +89,21 @@ def hunting(axis: Axis) -> Hunting | None:
     The dead band is taken as 0. The table stands half the relief of the spring away from the
     target, drive and spring at rest.
     """
-    system = System(axis)
-    motion = Motion(system)
+    system = system_of(axis)
     state = system.at_rest()
     target = (axis.F_s - axis.F_k) / axis.k
     state[system.layout.command] = target
-    broke: list[float] = []
-    rests: list[float] = []
     mode = Mode(0, 0 if system.drive.dry > 0.0 else 1)
-    point, passed = Point(state, 0.0), 0.0
-    while len(rests) < _SLIPS:
-        for turn in walk(motion, mode, point, _LONGEST):
-            mode, point = turn.mode, turn.point
-            if turn.event in ("forward", "backward"):
-                broke.append(passed + turn.time)
-            elif turn.event == "stop":
-                rests.append(float(point.state[TABLE]))
-                passed += turn.time
-                break
-        else:
+    following = walk(system, mode, Point(state, 0.0), Watched(_LONGEST, _LONGEST))
+    turns: list[Turn] = []
+    while (rests := [turn for turn in turns if turn.event == "stop"])[_SLIPS - 1 :] == []:
+        found = following.turns(2 * _SLIPS - len(rests))
+        if not found:
             return None
-    jump = abs(rests[-1] - rests[-2])
-    left = max(abs(rest - target) for rest in rests[-2:])
+        turns += found
+    broke = [turn.time for turn in turns if turn.event != "stop"]
+    jump = abs(rests[-1].place - rests[-2].place)
+    left = max(abs(rest.place - target) for rest in rests[-2:])
     if not jump > _NOTHING * target:
         return None
     return Hunting(jump, broke[-1] - broke[-3], left)

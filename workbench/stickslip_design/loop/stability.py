@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import Final, Literal, NamedTuple
 
@@ -15,10 +15,27 @@ from stickslip_ref import Interval, merged
 
 from ..axis import Axis
 from ..one_thread import one_thread
-from .system import INTEGRAL, MOTOR, SPEED, TABLE, Line, Mode, System, Vector, line_at, lines_of
+from .native import over_sample
+from .system import (
+    INTEGRAL,
+    MOTOR,
+    SPEED,
+    TABLE,
+    Line,
+    Matrix,
+    Mode,
+    System,
+    Vector,
+    line_at,
+    lines_of,
+    system_of,
+)
+
+Eigenvalues = NDArray[np.complex128]
 
 _ENDS: Final = ("eigenvalue", "eigenvalue")
 _STUCK: Final = Mode(0, 1)
+_FLAT: Final = Line(0.0, math.inf, 0.0, 0.0)
 
 _FINER: Final = 1.05
 """Factor from gain to gain in the search for a limit."""
@@ -64,12 +81,28 @@ def swing(axis: Axis, *, sliding: bool = True, line: Line | None = None) -> Swin
     An eigenvalue z from sample to sample is a motion exp(s t) with s = ln(z)/T_s. Without a swing:
     damping infinite, frequency 0. What grows without a swing has the damping -1.
     """
-    system = System(axis, None if line is None else (line,))
-    z = _eigenvalues(system, system.sliding if sliding else _STUCK)
+    system = system_of(axis) if line is None else System(axis, (line,))
+    return _swing(system, _eigenvalues(system, system.sliding if sliding else _STUCK))
+
+
+def _swing(system: System, z: Eigenvalues) -> Swing:
     s = np.log(z[(z.imag > 0.0) | ((z.imag == 0.0) & (np.abs(z) > 1.0 + _ROUNDING))])
     s /= system.drive.T_s
     swings = [Swing(float(-root.real / abs(root)), float(abs(root))) for root in s]
     return min(swings, default=Swing(math.inf, 0.0))
+
+
+def settling(axis: Axis) -> float:
+    """Return the time in which a stable loop settles [s], at length; for `motion.Watched`."""
+    drive = axis.drive
+    assert drive is not None
+    slowest = 8.0 * math.pi * math.sqrt(axis.m / axis.k) + 4.0 * drive.T_n
+    return slowest + (4.0 / drive.K_v if drive.K_v > 0.0 else math.inf)
+
+
+def decays(system: System, line: int) -> bool:
+    """Return whether even motion decays where the friction of the table is one of its lines."""
+    return bool(np.abs(_eigenvalues(system, Mode(1, 1, line))).max() < 1.0)
 
 
 @one_thread
@@ -86,10 +119,10 @@ def unstable_feeds(axis: Axis) -> tuple[Interval, ...]:
 
     lines = lines_of(axis)
     if axis.friction.is_curve:
-        grows = [line for line in lines if swing(axis, line=line).damping < 0.0]
-        return merged([Interval(line.low, line.high, *_ENDS) for line in grows])
-    feeds = np.geomspace(_SLOWEST * lines[1].low, lines[-1].low, _FEEDS)
-    values = [damping(feed) for feed in feeds]
+        grows = zip(lines, _dampings(axis, lines), strict=True)
+        return merged([Interval(line.low, line.high, *_ENDS) for line, at in grows if at < 0.0])
+    feeds = np.geomspace(_SLOWEST * lines[1].low, lines[-1].low, _FEEDS).tolist()
+    values = _dampings(axis, [line_at(axis, feed) for feed in feeds])
     ends = [
         float(brentq(damping, feeds[n], feeds[n + 1], rtol=1e-9))
         for n in range(len(feeds) - 1)
@@ -100,10 +133,18 @@ def unstable_feeds(axis: Axis) -> tuple[Interval, ...]:
     return tuple(Interval(*pair, *_ENDS) for pair in zip(ends[::2], ends[1::2], strict=True))
 
 
+def _dampings(axis: Axis, lines: Sequence[Line]) -> list[float]:
+    """Return the damping of the least damped swing on each line of the friction."""
+    system = System(axis, tuple(lines))
+    modes = (Mode(1, 1, number) for number in range(len(lines)))
+    found = np.linalg.eigvals(np.array([_step(system, mode) for mode in modes]))
+    return [_swing(system, z.astype(np.complex128)).damping for z in found]
+
+
 @one_thread
 def is_stable(axis: Axis) -> bool:
     """Return whether no motion of a loop grows, table sliding or stuck; none of a rigid drive."""
-    return axis.drive is None or _excess(System(axis)) < 0.0
+    return axis.drive is None or _excess(system_of(axis)) < 0.0
 
 
 @one_thread
@@ -129,7 +170,8 @@ def _limit(changed: Callable[[float], Axis], now: float) -> float:
     """Return the end of the stable values next to the one of now, above it if that is stable."""
 
     def excess(value: float) -> float:
-        return _excess(System(changed(value)))
+        # Of the friction only its slope counts, and none is left at the highest speeds.
+        return _excess(System(changed(value), (_FLAT,)))
 
     if now <= 0.0:
         return math.inf
@@ -150,12 +192,15 @@ def _excess(system: System) -> float:
     return math.log(max(float(sliding), float(stuck) * (1.0 - _ROUNDING)))
 
 
-def _eigenvalues(system: System, mode: Mode) -> np.ndarray[tuple[int], np.dtype[np.complex128]]:
-    """Return the eigenvalues from sample to sample, without set point and what stands still."""
-    step = system.over_sample(mode, system.control)[system.moving, system.moving]
+def _eigenvalues(system: System, mode: Mode) -> Eigenvalues:
+    return np.linalg.eigvals(_step(system, mode)).astype(np.complex128)
+
+
+def _step(system: System, mode: Mode) -> Matrix:
+    """Return the motion from sample to sample, without set point and what stands still."""
+    step = over_sample(system, mode)[system.moving, system.moving]
     still = ([] if mode.table else [TABLE, SPEED]) + ([] if system.drive.T_n > 0.0 else [INTEGRAL])
-    step = np.delete(np.delete(step, still, axis=0), still, axis=1)
-    return np.linalg.eigvals(step).astype(np.complex128)
+    return np.delete(np.delete(step, still, axis=0), still, axis=1)
 
 
 Cut = Literal["force", "position"]
@@ -198,7 +243,7 @@ class Response:
 @one_thread
 def open_loop(axis: Axis, cut: Cut, *, sliding: bool = True) -> Response:
     """Return the open loop of a servo axis, its table sliding in one direction or stuck."""
-    system = System(axis)
+    system = system_of(axis)
     drive = system.drive
     step, into, out = _opened(system, cut, system.sliding if sliding else _STUCK)
     low, high = _LOWEST * max(drive.K_v, 1.0) / (2.0 * math.pi), 0.5 / drive.T_s
@@ -233,7 +278,7 @@ def _opened(system: System, cut: Cut, mode: Mode) -> tuple[NDArray[np.float64], 
     The state is that just before a sample.
     """
     moving, layout, drive = system.moving, system.layout, system.drive
-    after = system.over_sample(mode, np.eye(layout.size))
+    after = over_sample(system, mode, controlled=False)
     control = system.control.copy()
     if cut == "force":
         out = control[layout.commands].copy()

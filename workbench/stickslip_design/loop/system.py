@@ -9,15 +9,17 @@ dead band are left out.
 from __future__ import annotations
 
 import math
-from functools import cache
+from collections import deque
+from collections.abc import Callable
+from functools import cache, cached_property, wraps
 from itertools import pairwise
-from typing import Final, NamedTuple
+from typing import Final, NamedTuple, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import expm
 
-from stickslip_ref import STRIBECK, Shape
+from stickslip_ref import STRIBECK, Parameters, Shape
 
 from ..axis import Axis
 
@@ -40,6 +42,32 @@ class Line(NamedTuple):
     """How it rises with the speed [N.s/m]."""
 
 
+_Of = TypeVar("_Of")
+_KEPT: Final = 8
+
+
+def recent(function: Callable[[Axis], _Of]) -> Callable[[Axis], _Of]:
+    """Return a function that keeps what it returned for the last axes that it was called with."""
+    kept: deque[tuple[Axis, _Of]] = deque(maxlen=_KEPT)
+
+    @wraps(function)
+    def of(axis: Axis) -> _Of:
+        for known, value in [*kept]:
+            if known is axis:
+                return value
+        kept.append((axis, function(axis)))
+        return kept[-1][1]
+
+    return of
+
+
+@recent
+def _law(axis: Axis) -> Parameters:
+    """Return the parameters of the Stribeck friction of an axis."""
+    return STRIBECK.complete(axis.block(1.0), axis.friction.own)
+
+
+@recent
 def lines_of(axis: Axis) -> tuple[Line, ...]:
     """Return the dry friction of the guideway in slip, without its viscous part.
 
@@ -49,7 +77,7 @@ def lines_of(axis: Axis) -> tuple[Line, ...]:
     friction = axis.friction
     if friction.law != "stribeck" or (friction.mu_s == friction.mu_k and not friction.is_curve):
         return (Line(0.0, math.inf, axis.F_k, 0.0),)
-    p = STRIBECK.complete(axis.block(1.0), friction.own)
+    p = _law(axis)
     if p.own["shape"] == Shape.CURVE:
         speeds = np.array([0.0, *STRIBECK.knots(p)])
     else:
@@ -76,7 +104,7 @@ def line_at(axis: Axis, feed: float) -> Line:
     friction = axis.friction
     if friction.law != "stribeck" or friction.is_curve:
         return next(line for line in lines_of(axis) if feed <= line.high)
-    p = STRIBECK.complete(axis.block(1.0), friction.own)
+    p = _law(axis)
     return Line(feed, math.inf, STRIBECK.slip_friction(p, feed), STRIBECK.slope(p, feed))
 
 
@@ -141,8 +169,8 @@ class System:
 
     Attributes
     ----------
-    axis, drive, lines
-        What it is of, and its friction in slip.
+    axis, drive
+        What it is of.
     layout
         Where things are in the state.
     parts
@@ -164,7 +192,7 @@ class System:
     def __init__(self, axis: Axis, lines: tuple[Line, ...] | None = None) -> None:
         if axis.drive is None:
             raise ValueError("an axis on a rigid drive has no loop")
-        self.axis, self.drive, self.lines = axis, axis.drive, lines or lines_of(axis)
+        self.axis, self.drive, self._lines = axis, axis.drive, lines
         # The dead time in whole samples, and the rest [s].
         whole = math.floor(self.drive.dead_time / self.drive.T_s + _NONE)
         rest = self.drive.dead_time - whole * self.drive.T_s
@@ -218,11 +246,10 @@ class System:
             state[layout.command] += stretch
         return state
 
-    def over_sample(self, mode: Mode, state: Matrix) -> Matrix:
-        """Return what a sample makes of a state behind the controller, or of a matrix of them."""
-        for step in self.steps(mode):
-            state = step @ state
-        return state
+    @cached_property
+    def lines(self) -> tuple[Line, ...]:
+        """The friction of the table in slip."""
+        return self._lines or lines_of(self.axis)
 
     @property
     def sliding(self) -> Mode:
@@ -303,6 +330,12 @@ class System:
         control[layout.commands + 1 : layout.filters] = unit[layout.commands : layout.filters - 1]
         control[layout.commands] = force
         return control
+
+
+@recent
+def system_of(axis: Axis) -> System:
+    """Return the system of a servo axis; ValueError if it has no drive."""
+    return System(axis)
 
 
 def _growth(axis: Axis) -> tuple[Vector, Vector]:

@@ -44,7 +44,7 @@ def axis_points(
     unit in which the file states it; what else the file states is held, zeta and forces too. Feeds
     [m/s] are above 0. With `regimes_only`, which takes a tenth of the time, jump and rate are NaN,
     and without closed forms the critical feed. The results of a point depend on its own numbers
-    alone. A closed form takes 1 us a point, another friction law or a loop 0.02 to 1 s.
+    alone. A closed form takes 1 us a point, another friction law or a loop 1 to 100 ms.
 
     Returns
     -------
