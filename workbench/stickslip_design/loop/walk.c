@@ -175,7 +175,7 @@ static void exponential(plant_rates rates, double time, plant_rates step)
     }
 }
 
-/* Add what a step, or rates, make of the plant under a commanded force: sum[row] += ... */
+/* Add what a step makes of the plant under a commanded force. */
 static void add_product(plant_rates step, const double state[], double push, double one,
                         double sum[PLANT])
 {
@@ -185,6 +185,22 @@ static void add_product(plant_rates step, const double state[], double push, dou
             total += step[row][column] * state[column];
         sum[row] += total;
     }
+}
+
+/* How the plant changes [1/s], under a commanded force. */
+static void changes_of(plant_rates rates, const double state[], double push, double one,
+                       double change[PLANT])
+{
+    const double stretch = state[MOTOR] - state[TABLE];
+    const double *of_motor = rates[MOTOR_SPEED], *of_table = rates[SPEED];
+    change[MOTOR] = rates[MOTOR][MOTOR_SPEED] * state[MOTOR_SPEED];
+    change[MOTOR_SPEED] = of_motor[MOTOR] * stretch + of_motor[MOTOR_SPEED] * state[MOTOR_SPEED] +
+                          of_motor[FORCE] * state[FORCE] + of_motor[PUSH] * push +
+                          of_motor[ONE] * one;
+    change[TABLE] = rates[TABLE][SPEED] * state[SPEED];
+    change[SPEED] =
+        of_table[MOTOR] * stretch + of_table[SPEED] * state[SPEED] + of_table[ONE] * one;
+    change[FORCE] = rates[FORCE][FORCE] * state[FORCE] + rates[FORCE][PUSH] * push;
 }
 
 static double push_in(const struct axis *axis, const double state[], int part)
@@ -209,20 +225,20 @@ static void move_rest(const struct axis *axis, struct mode mode, double length, 
 static void move_piece(const struct axis *axis, struct mode mode, plant_rates rates, int part,
                        double length, double state[])
 {
-    double change[PLANT] = {0.0}, term[PLANT] = {0.0};
+    double change[PLANT] = {0.0}, term[PLANT];
     if (axis->lag > 0.0 && length > axis->lag) {
         plant_rates step;
         exponential(rates, length, step);
         add_product(step, state, push_in(axis, state, part), state[axis->one], change);
     } else {
-        add_product(rates, state, push_in(axis, state, part), state[axis->one], term);
+        changes_of(rates, state, push_in(axis, state, part), state[axis->one], term);
         for (int order = 1; order < TERMS_OF_STATE; order++) {
-            double next[PLANT] = {0.0};
+            double next[PLANT];
             for (int place = 0; place < PLANT; place++) {
                 term[place] *= length / order;
                 change[place] += term[place];
             }
-            add_product(rates, term, 0.0, 0.0, next);
+            changes_of(rates, term, 0.0, 0.0, next);
             memcpy(term, next, sizeof term);
         }
     }
@@ -285,8 +301,8 @@ static int margins_of(const struct axis *axis, struct mode mode, enum event extr
                       struct margin margins[MOST_MARGINS])
 {
     const double push = push_in(axis, state, part), one = state[axis->one];
-    double change[PLANT] = {0.0};
-    add_product(rates, state, push, one, change);
+    double change[PLANT];
+    changes_of(rates, state, push, one, change);
     const double pull = axis->k * (state[MOTOR] - state[TABLE]);
     const double pull_change = axis->k * (change[MOTOR] - change[TABLE]);
     int count = 0;
@@ -323,9 +339,8 @@ static int margins_of(const struct axis *axis, struct mode mode, enum event extr
         }
     }
     if (extreme != TIME) {
-        double slope = 0.0;
-        for (int column = 0; column < PLANT; column++)
-            slope += rates[SPEED][column] * change[column];
+        const double slope = rates[SPEED][MOTOR] * (change[MOTOR] - change[TABLE]) +
+                             rates[SPEED][SPEED] * change[SPEED];
         const double sign = extreme == PEAK ? 1.0 : -1.0;
         margins[count++] = (struct margin){extreme, sign * change[SPEED], sign * slope};
     }
@@ -385,9 +400,9 @@ static double crossing(struct margin begin, struct margin end, double length)
 static void see(const struct axis *axis, struct mode mode, const double state[], double seen[SEEN])
 {
     plant_rates rates;
-    double change[PLANT] = {0.0};
+    double change[PLANT];
     rates_of(axis, mode, rates);
-    add_product(rates, state, 0.0, state[axis->one], change);
+    changes_of(rates, state, 0.0, state[axis->one], change);
     seen[0] = mode.table ? state[SPEED] : state[MOTOR] - state[TABLE];
     seen[1] = state[MOTOR_SPEED];
     seen[2] = change[SPEED];

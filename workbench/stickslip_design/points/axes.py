@@ -172,7 +172,7 @@ def _regimes(
         if not regimes_only:
             critical = limits_of(axis).highest
         reached = 0.0
-        if friction.law == "coulomb":
+        if friction.law == "coulomb" and feeds:
             # A cycle that does not form at slow feeds may do so above them all.
             reached = limit_of_jumps(axis, max(feeds)).feed or limit_of_jumps(axis).feed
         return critical, [
