@@ -52,6 +52,7 @@ def test_the_answer_comes_first_and_names_the_measure_of_least_effort() -> None:
         ("juddering", "5 300 3.22 moves evenly – 12.3 –"),
         ("juddering", "it jumps 13.6 µm there and back again in 0.851 s"),
         ("juddering", "axis.stiffness 40 N/µm 4 N/µm"),
+        ("juddering", "No help: higher position gain; faster velocity loop; "),
         ("large", "drive.velocity_feedforward_1 1 ms not on the data sheet: usual"),
     ],
 )

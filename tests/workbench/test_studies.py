@@ -203,12 +203,9 @@ def test_a_design_is_a_summary_a_report_and_json(
     lines = out.splitlines()
     assert lines[:2] == ["rigid: judders", verdicts.rigid().sentence]
     assert "critical feed: 3.41 mm/s (204 mm/min)" in out
-    assert "stiffer (c held) " in out
-    assert "stiffer (zeta held) " in out
-    assert "lighter, not by a factor of 30" in out
     assert lines[-1] == "report: axis.html, axis.json"
     written = Path("axis.html").read_text(encoding="utf-8")
-    assert "stiffer" in written
+    assert all(words in written for words in ("c held", "zeta held", "not by a factor of 30"))
     assert written[:500] == html(verdicts.rigid())[:500]
     found = json.loads(Path("axis.json").read_text(encoding="utf-8"), parse_constant=str)
     expected = ("judders", verdicts.rigid().critical_feed)

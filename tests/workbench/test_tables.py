@@ -7,6 +7,7 @@ from dataclasses import replace
 import pytest
 from rich.console import Console, RenderableType
 
+from stickslip.judgements import Design
 from stickslip.library import simulate
 from stickslip.runs import reference_parameters
 from stickslip.show.tables import critical_table, cycle_table, score_table
@@ -15,6 +16,7 @@ from stickslip_ref import CriticalVelocity, Interval, Regime, StickSlip, Swingin
 from stickslip_score import Cause, Compared, Score
 from stickslip_verification import CheckResult, Verdict
 from stickslip_verification.model.verdict import Kind
+from tests.design import verdicts
 
 CHECK = CheckResult(
     case="slip-against-the-x", check="slip-half-period-at-first-order", quantity="spring_drop",
@@ -74,6 +76,21 @@ def test_a_cycle(width: int) -> None:
     assert jump.count("6.30536") == 2
     assert "3.924" in jump
     assert ("-37.77 %" in jump) == ("jump of the mass" in jump) == (width > 80)
+
+
+@widths
+def test_an_axis_is_its_first_page(width: int) -> None:
+    verdict = verdicts.juddering()
+    shown = lines(Design(verdict).table(), width)
+    row(shown, "  0.5  ", "30", "0.322", "18.4")
+    row(shown, "1.07", "hunts 4.08 µm")
+    row(shown, "mu_s 0.2 → 0.165")
+    first, *rest = [one.name for one in verdict.measures if one.enough]
+    said = " ".join(" ".join(shown).split())
+    assert first in said
+    assert rest[-1] not in said
+    assert len(shown) <= 45 or width < 80
+    assert f"{sum(map(len, verdict.left_out.values()))} left out" in said
 
 
 @widths

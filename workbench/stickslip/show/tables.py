@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import re
+import textwrap
 from collections import Counter
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from types import MappingProxyType
@@ -67,17 +68,22 @@ class Fitted:
         The same table, the widest first. The last one is taken where none fits.
     notes
         What stands below the table.
+    folded
+        Whether a form fits when its texts are folded between words.
     """
 
-    def __init__(self, forms: Sequence[RenderableType], *notes: RenderableType) -> None:
-        self._forms, self._notes = forms, notes
+    def __init__(
+        self, forms: Sequence[RenderableType], *notes: RenderableType, folded: bool = False
+    ) -> None:
+        self._forms, self._notes, self._folded = forms, notes, folded
 
     def __rich_console__(self, console: Console, options: ConsoleOptions) -> RenderResult:
         unbound = options.update(max_width=_UNBOUND)
+        needed = {form: Measurement.get(console, unbound, form) for form in self._forms}
         fitting = (
             form
-            for form in self._forms
-            if Measurement.get(console, unbound, form).maximum <= options.max_width
+            for form, (folded, whole) in needed.items()
+            if (folded if self._folded else whole) <= options.max_width
         )
         shown = Group(next(fitting, self._forms[-1]), *self._notes)
         for line in console.render_lines(shown, options, pad=False):
@@ -364,11 +370,14 @@ def _results(found: xarray.Dataset) -> Table:
     return grid(("result", "unit", "least", "greatest", "NaN", "meaning"), rows, texts=(0, 1, 5))
 
 
+_NO_BREAK: Final = "\N{NO-BREAK SPACE}"
+_MOVES: Final = 42
+"""Characters in a line of what a measure moves: as many as 80 columns leave."""
 _TONES: Final = {"good": "bold green", "warn": "bold yellow", "bad": "bold red"}
 
 
 def design_summary(verdict: Verdict) -> RenderableType:
-    """Make the summary of a verdict on an axis; the report has the rest."""
+    """Make the first page of the report on an axis in 80 columns, without its pictures."""
     # It brings the loop, which no other table needs.
     from stickslip_design.report import tables
 
@@ -376,48 +385,38 @@ def design_summary(verdict: Verdict) -> RenderableType:
     parts: list[RenderableType] = [
         Text.assemble(verdict.axis.name, ": ", (found.word, _TONES[found.tone])),
         Text(verdict.sentence),
+        Text(f"critical feed: {tables.critical(verdict)}"),
     ]
-    points, loop = tables.operating_points(verdict), tables.loop(verdict)
-    if points.rows:
-        # On a narrow terminal a column for each feed.
-        head, *rows = zip(points.head, *points.rows, strict=True)
-        parts.append(Fitted([_of_grid(points), grid(head, rows)]))
-    if loop.rows:
-        parts.append(_of_grid(loop))
-    parts.append(Text(f"critical feed: {tables.critical(verdict)}"))
     if verdict.stable and verdict.axis.drive is not None:
         parts.append(Text(f"at a target: {tables.hunting(verdict)[0]}"))
-    parts += _measures(verdict)
-    assumed = tables.assumed(verdict.axis)
-    if assumed.rows:
-        parts.append(_of_grid(assumed))
+    points = tables.operating_points(verdict).short(5)
+    if points.rows:
+        parts.append(_of_grid(points))
+    measures = tables.measures(verdict).short(5, tables.FIRST)
+    if measures.rows:
+        rows = [
+            (f"{name} ({effort})\n{_moved(moves)}", *row)
+            for name, effort, moves, *row in measures.rows
+        ]
+        head = ("measure, and what it moves", *measures.head[3:])
+        parts.append(_of_grid(tables.Grid(head, rows, frozenset({1, 2}))))
+    if others := tables.others(verdict):
+        parts.append(Text(f"other measures, with reasons in the report: {others}"))
     return Group(*parts)
 
 
-def _measures(verdict: Verdict) -> Iterator[RenderableType]:
-    """Yield the measures that are enough, the names of the others, and how far one number goes."""
-    from stickslip_design.report.tables import Grid, cures, helping, measures
-
-    found = measures(verdict)
-    if found.rows:
-        yield _of_grid(Grid(found.head[:-1], [row[:-1] for row in found.rows], found.numbers))
-    for said in helping(verdict):
-        yield Text(said)
-    rated = cures(verdict)
-    names = [f"{cure.name} ({cure.held})" if cure.held else cure.name for cure in verdict.cures]
-    rows: list[tuple[str, ...]] = []
-    others: dict[str, list[str]] = {}
-    for name, cure, row in zip(names, verdict.cures, rated.rows, strict=True):
-        if cure.then is None:
-            others.setdefault(cure.aim, []).append(f"{name}, {cure.note}")
-        else:
-            rows.append((name, *row[1:-1]))
-    if rows:
-        yield _of_grid(Grid(rated.head[:-1], rows, rated.numbers))
-    for aim, idle in others.items():
-        yield Text(f"no one number for {aim}: {'; '.join(idle)}")
+def _moved(moves: str) -> str:
+    """Return the numbers that a measure moves in lines that hold each number with its unit."""
+    held = moves.replace("; ", ";\n").replace(" ", _NO_BREAK).replace("\n", " ")
+    return textwrap.fill(held, _MOVES, initial_indent="  ", subsequent_indent="  ").replace(
+        _NO_BREAK, " "
+    )
 
 
-def _of_grid(shown: Grid) -> Table:
+def _of_grid(shown: Grid) -> RenderableType:
     texts = [place for place in range(len(shown.head)) if place not in shown.numbers]
-    return grid(shown.head, shown.rows, texts=texts, show_header=bool(shown.head[1]))
+    table, narrow = (grid(shown.head, shown.rows, texts=texts) for _ in range(2))
+    for place in shown.numbers:
+        table.columns[place].no_wrap = True
+        table.columns[place].min_width = max(len(row[place]) for row in (shown.head, *shown.rows))
+    return Fitted([table, narrow], folded=True)

@@ -12,6 +12,7 @@ from stickslip_units import EXACT, NONE, decibels, number, per_minute, shown_in,
 from ..axis import Axis, Filter
 from ..axis.keys import KEYS
 from ..loop.stability import Cut
+from ..measures.catalogue import catalogue
 from ..verdict import AxisCure, AxisMeasure, Change, Verdict, ranges_in_words
 
 Tone = Literal["good", "warn", "bad"]
@@ -25,6 +26,8 @@ MOTIONS: Final[dict[Motion, str]] = {
 }
 CUTS: Final[dict[Cut, str]] = {"force": "at the motor's force", "position": "at the position error"}
 """Where a loop is open, in words."""
+FIRST: Final = 5
+"""Measures on the first page, those of least effort."""
 
 
 class Standing(NamedTuple):
@@ -48,6 +51,11 @@ class Grid(NamedTuple):
     head: Sequence[str]
     rows: Sequence[Sequence[str]]
     numbers: frozenset[int] = frozenset()
+
+    def short(self, columns: int, rows: int | None = None) -> Grid:
+        """Return its first columns and rows; None: all rows."""
+        first = [row[:columns] for row in self.rows[:rows]]
+        return Grid(self.head[:columns], first, self.numbers & frozenset(range(columns)))
 
 
 def standing(verdict: Verdict) -> Standing:
@@ -327,9 +335,21 @@ def helping(verdict: Verdict) -> tuple[str, ...]:
     ]
     said = [f"Help, but not enough alone: {'; '.join(some)}."] if some else []
     said += [
-        f"{reason.capitalize()}: {', '.join(names)}." for reason, names in verdict.left_out.items()
+        f"{reason.capitalize()}: {'; '.join(catalogue()[name].name for name in names)}."
+        for reason, names in verdict.left_out.items()
     ]
     return tuple(said)
+
+
+def others(verdict: Verdict) -> str:
+    """Return how many measures are not among the first, by what they do; empty where none is."""
+    enough = sum(one.enough for one in verdict.measures)
+    counts = {
+        "enough": enough - FIRST,
+        "not enough alone": len(verdict.measures) - enough,
+        "left out": sum(map(len, verdict.left_out.values())),
+    }
+    return ", ".join(f"{count} {words}" for words, count in counts.items() if count > 0)
 
 
 def cures(verdict: Verdict) -> Grid:
