@@ -6,6 +6,7 @@ import re
 from collections.abc import Iterator
 from dataclasses import replace
 from functools import cache
+from itertools import pairwise
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -13,11 +14,12 @@ import numpy as np
 import pytest
 
 from stickslip_design.axis import Demand
-from stickslip_design.report import data, html
+from stickslip_design.report import data, html, motion
+from stickslip_units import EXACT, told
 from tests.design import verdicts
 
 if TYPE_CHECKING:
-    from playwright.sync_api import Browser
+    from playwright.sync_api import Browser, Page
 
 
 @cache
@@ -123,11 +125,54 @@ def test_json_keeps_all_digits_of_a_number() -> None:
     assert data(replace(verdict, critical_feed=math.nan))["critical_feed"] is None
 
 
-def test_a_full_report_fits_a_phone_and_four_pages(browser: "Browser", tmp_path: Path) -> None:
-    file = tmp_path / "report.html"
-    file.write_text(page("large"), encoding="utf-8")
+@pytest.mark.parametrize("name", verdicts.ALL)
+def test_the_first_page_is_verdict_pictures_and_measures(
+    name: str, browser: "Browser", tmp_path: Path
+) -> None:
+    verdict, file = verdicts.ALL[name](), tmp_path / "report.html"
+    file.write_text(page(name), encoding="utf-8")
     with browser.new_page(viewport={"width": 360, "height": 800}) as window:
         window.goto(file.as_uri())
         assert window.evaluate("document.documentElement.scrollWidth") == 360
-        printed = window.pdf(prefer_css_page_size=True)
-        assert len(re.findall(rb"/Type\s*/Page\b", printed)) <= 4
+        assert pages(window) <= 4
+        behind = window.locator("main > div")
+        assert "What was assumed" in behind.inner_text()
+        behind.evaluate("part => part.remove()")
+        assert pages(window) == 1
+        left = window.locator("body").inner_text()
+        assert (not verdict.stable) == (window.locator("#bar").count() == 0)
+        assert window.locator("#before, #after").count() == (2 if verdict.points else 0)
+        sketch = window.locator("#sketch").inner_html()
+    assert verdict.sentence in left
+    assert all(one.name in left for one in verdict.measures[:5])
+    assert told(verdict.axis.k, "N/m", EXACT) in sketch
+    assert ("rigid" in sketch) == (verdict.axis.drive is None)
+
+
+def pages(window: "Page") -> int:
+    return len(re.findall(rb"/Type\s*/Page\b", window.pdf(prefer_css_page_size=True)))
+
+
+@pytest.mark.parametrize("name", ["juddering", "rigid"])
+def test_both_motions_have_the_same_scales_and_only_the_first_keeps_jumping(name: str) -> None:
+    verdict = verdicts.ALL[name]()
+    before, after = (motion(verdict, which) for which in ("before", "after"))
+    assert before is not None
+    assert after is not None
+    (first,), (second,) = before.axes, after.axes
+    assert (first.get_xlim(), first.get_ylim()) == (second.get_xlim(), second.get_ylim())
+    # Two periods of the jumps in each part.
+    jumps, swings = (
+        [np.ptp(part) for part in np.split(np.asarray(on.lines[-1].get_ydata()), 4)]
+        for on in (first, second)
+    )
+    point = verdict.points[0]
+    assert point.jump is not None
+    # A jump takes the table ahead by its way, less that of the feed meanwhile.
+    assert 0.3 < 1e-6 * jumps[-1] / point.jump < 1.0
+    # A peak lies between two of 75 samples of a period.
+    assert jumps[-1] == pytest.approx(jumps[-2], rel=0.01)
+    assert all(later < 0.9 * sooner for sooner, later in pairwise(swings))
+    uncured = replace(verdict, measures=(), after=None)
+    assert motion(uncured, "before") is not None
+    assert motion(uncured, "after") is None

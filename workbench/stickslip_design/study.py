@@ -146,12 +146,11 @@ def _motions(
     axis: Axis, judders: OperatingPoint | None, found: Sequence[Found]
 ) -> tuple[Record | None, Record | None]:
     """Return the motion at the feed that judders, as it is and with the best measure."""
-    first = best(each.measure for each in found)
-    if judders is None or first is None or judders.frequency is None:
+    if judders is None or judders.frequency is None:
         return None, None
-    (after,) = (each.axis for each in found if each.measure is first)
-    span = _PERIODS / judders.frequency
-    return record(axis, judders.feed, span), record(after, judders.feed, span)
+    first, span = best(each.measure for each in found), _PERIODS / judders.frequency
+    after = [record(each.axis, judders.feed, span) for each in found if each.measure is first]
+    return record(axis, judders.feed, span), next(iter(after), None)
 
 
 def _range(file: AxisFile | None, axis: Axis, critical: float) -> tuple[float, float]:

@@ -190,7 +190,7 @@ class Verdict:
     before: Record | None
     after: Record | None
     """The motion after a break-away at that feed, as it is, and with the best measure; None where
-    nothing judders, and where no measure is enough."""
+    nothing judders; the second also where no measure is enough."""
     sentence: str
     """The answer in words."""
     unanswered: tuple[str, ...]

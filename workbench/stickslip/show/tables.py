@@ -389,15 +389,15 @@ def design_summary(verdict: Verdict) -> RenderableType:
     ]
     if verdict.stable and verdict.axis.drive is not None:
         parts.append(Text(f"at a target: {tables.hunting(verdict)[0]}"))
-    points = tables.operating_points(verdict).short(5)
+    points = tables.operating_points(verdict).first(5)
     if points.rows:
         parts.append(_of_grid(points))
-    measures = tables.measures(verdict).short(5, tables.FIRST)
-    if measures.rows:
-        rows = [
-            (f"{name} ({effort})\n{_moved(moves)}", *row)
-            for name, effort, moves, *row in measures.rows
-        ]
+    measures = tables.measures(verdict)
+    rows = [
+        (f"{name} ({effort})\n{_moved(moves)}", *row)
+        for name, effort, moves, *row in measures.rows[: tables.FIRST]
+    ]
+    if rows:
         head = ("measure, and what it moves", *measures.head[3:])
         parts.append(_of_grid(tables.Grid(head, rows, frozenset({1, 2}))))
     if others := tables.others(verdict):

@@ -21,13 +21,17 @@ from ..axis.keys import KEYS
 from ..loop.stability import Swing
 from ..verdict import OperatingPoint, Verdict
 from . import plots, tables
+from .sketch import sketch
 from .tables import standing
 
 _TEMPLATES: Final = Path(__file__).parent / "templates"
 
 
 def html(verdict: Verdict) -> str:
-    """Return a verdict as a page: at most four on paper (A4), the answer on the first.
+    """Return a verdict as a page: at most four on paper (A4), the first of them for a meeting.
+
+    That one has the verdict, pictures of the axis and its motions, and the measures of least
+    effort; what they rest on is behind it.
 
     The same verdict gives the same text.
     """
@@ -35,11 +39,12 @@ def html(verdict: Verdict) -> str:
         verdict=verdict,
         axis=verdict.axis,
         tables=tables,
-        bars=[
-            (name, drawn(plots.feeds(verdict, width), f"bar-{name}", "Motions over the feed"))
-            for name, width in (("wide", plots.WIDE), ("narrow", plots.NARROW))
+        pictures=[
+            drawn(sketch(verdict), "sketch", "The axis and its numbers"),
+            drawn(plots.feeds(verdict, plots.NARROW), "bar", "Motions over the feed"),
+            drawn(plots.motion(verdict, "before"), "before", "The motion as it is"),
+            drawn(plots.motion(verdict, "after"), "after", "The motion with the best measure"),
         ],
-        motion=drawn(plots.before_and_after(verdict), "motion", "The motion before and after"),
         responses=[
             drawn(plots.responses(verdict, cut), cut, f"Open loop {words}")
             for cut, words in tables.CUTS.items()

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import math
+import textwrap
 from collections.abc import Sequence
-from typing import Any, Final
+from typing import Any, Final, Literal
 
 import matplotlib as mpl
 import numpy as np
@@ -40,10 +41,11 @@ _FILLS: Final[dict[Motion, tuple[str, str]]] = {
 """Colour and hatch of a motion: told apart with every colour vision, and in grey."""
 
 _MM: Final = 1e3
-"""A metre in mm: the axis of feeds is in mm/s."""
+_UM: Final = 1e6
+"""A metre in mm and in um; a second in ms."""
 
-_TEXT: Final = 8.5
-_LETTER: Final = 0.58 * _TEXT
+LETTERS: Final = 8.5
+_LETTER: Final = 0.58 * LETTERS
 """Size of a label and width of a letter of it [pt]."""
 _PAPER: Final[Any] = {"facecolor": "white", "edgecolor": "none", "pad": 0.5}
 """What a label stands on, so that no line crosses it."""
@@ -52,8 +54,14 @@ _BAR: Final = 18.0
 _MARGIN: Final = 8.0
 """Height of a line of labels and of the bar, and what is left free at the sides [pt]."""
 
-_MOTION: Final = 170.0
+_MOTION: Final = 150.0
 """Height of the picture of a motion over time [pt]."""
+_SETTLED: Final = slice(-200, None)
+"""Points of a record whose mean is its zero, the last ones."""
+_TITLE: Final = 46
+"""Letters in a line above it."""
+_ROOM: Final = 1.08
+"""Part of the largest value that its scale has."""
 
 _HEIGHT, _PANEL = 240.0, 92.0
 _LEFT, _BOTTOM = 48.0, 34.0
@@ -116,44 +124,48 @@ def feeds(verdict: Verdict, width: float = WIDE) -> Figure | None:
             top = _BAR + 3.0 + _LINE * row
             on.plot([at, at], [0.0, top], color=INK, lw=1.2, solid_capstyle="butt")
             on.text(
-                at, top, number(at, EXACT), ha="center", va="bottom", fontsize=_TEXT, bbox=_PAPER
+                at, top, number(at, EXACT), ha="center", va="bottom", fontsize=LETTERS, bbox=_PAPER
             )
         for row, (at, name) in enumerate(limits):
             _limit(on, at, name, -_LINE * (row + 1), row == 0, inner)
         page.legend(
             handles=handles, loc="upper left", bbox_to_anchor=(0.0, 1.0), ncols=columns,
-            fontsize=_TEXT, handlelength=1.6, columnspacing=1.4, labelspacing=0.3,
+            fontsize=LETTERS, handlelength=1.6, columnspacing=1.4, labelspacing=0.3,
             borderaxespad=0.2,
         )  # fmt: skip
     return page
 
 
-def before_and_after(verdict: Verdict, width: float = WIDE) -> Figure | None:
-    """Draw the table's motion after a break-away, as the axis is and with the first measure.
+def motion(verdict: Verdict, which: Literal["before", "after"]) -> Figure | None:
+    """Draw x - v t after a break-away at the slowest feed that judders: as it is, or cured.
 
-    How far it is ahead of an even motion [um] over the time [ms]; None where nothing judders, or
-    nothing cures it.
+    How far the table is ahead of an even motion [um] over the time [ms]; both pictures have the
+    same scales. None where nothing judders, or no measure is enough.
     """
-    if verdict.before is None or verdict.after is None:
+    records = {"before": verdict.before, "after": verdict.after}
+    ways = {
+        name: (_MM * record.time, _UM * (record.ahead - record.ahead[_SETTLED].mean()))
+        for name, record in records.items()
+        if record is not None and np.isfinite(record.ahead).all()
+    }
+    if which not in ways:
         return None
+    time, ahead = ways[which]
+    measure = verdict.best if which == "after" else None
+    name = f"with {measure.name}" if measure else "as it is"
+    most = _ROOM * max(float(np.abs(way).max()) for _, way in ways.values())
     with mpl.rc_context(STYLE):
-        page = Figure(figsize=(width, _MOTION / 72.0))
-        left, right = _LEFT / (72.0 * width), _MARGIN / (72.0 * width)
-        low, high = _BOTTOM / _MOTION, 2.0 * _LINE / _MOTION
-        on = page.add_axes((left, low, 1.0 - left - right, 1.0 - low - high))
-        for motion, colour, line, name in (
-            (verdict.before, ORANGE, "-", "as it is"),
-            (verdict.after, BLUE, (0, (5, 1.5)), "with the first measure"),
-        ):
-            ahead = 1e6 * (motion.ahead - motion.ahead.mean())
-            on.plot(_MM * motion.time, ahead, color=colour, ls=line, lw=1.5, label=name)
-        on.set_xlim(0.0, _MM * float(verdict.before.time[-1]))
-        on.set_xlabel("time  [ms]", loc="right", labelpad=1.0)
-        on.set_ylabel("ahead  [µm]")
-        page.legend(
-            loc="upper left", bbox_to_anchor=(0.0, 1.0), ncols=2, fontsize=_TEXT,
-            handlelength=2.4, borderaxespad=0.2,
+        page = Figure(figsize=(NARROW, _MOTION / 72.0))
+        left, right = _LEFT / (72.0 * NARROW), _MARGIN / (72.0 * NARROW)
+        low, high = _BOTTOM / _MOTION, (2.0 * _LINE + 4.0) / _MOTION
+        on = page.add_axes(
+            (left, low, 1.0 - left - right, 1.0 - low - high),
+            xlim=(0.0, float(time[-1])), ylim=(-most, most), ylabel="x − v t  [µm]",
         )  # fmt: skip
+        on.axhline(0.0, color=INK, lw=0.8)
+        on.plot(time, ahead, color=ORANGE if which == "before" else BLUE, lw=1.5)
+        on.set_xlabel("time  [ms]", loc="right", labelpad=1.0)
+        on.set_title(textwrap.fill(name, _TITLE), loc="left", fontsize=LETTERS, linespacing=1.1)
     return page
 
 
@@ -197,7 +209,7 @@ def responses(verdict: Verdict, cut: Cut, width: float = NARROW) -> Figure | Non
         upper.set_title(f"Open {CUTS[cut]}", loc="left", fontsize=9.0)
         for on in (upper, lower):
             on.yaxis.set_label_coords(-(_LEFT - 10.0) / (72.0 * width * inner), 0.5)
-        lower.legend(loc="lower left", fontsize=_TEXT, handlelength=2.2, borderaxespad=0.2)
+        lower.legend(loc="lower left", fontsize=LETTERS, handlelength=2.2, borderaxespad=0.2)
     return page
 
 
@@ -224,7 +236,7 @@ def _limit(on: Axes, at: float, name: str, bottom: float, right: bool, inner: fl
     on.plot([at, at], [_BAR, bottom], color=INK, lw=1.0, ls=(0, (2, 1.5)))
     on.annotate(
         name, (at, bottom), xytext=(3.0 if right else -3.0, 0.0), textcoords="offset points",
-        ha="left" if right else "right", va="bottom", fontsize=_TEXT,
+        ha="left" if right else "right", va="bottom", fontsize=LETTERS,
         bbox=_PAPER,
     )  # fmt: skip
 

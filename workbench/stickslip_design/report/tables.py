@@ -52,10 +52,10 @@ class Grid(NamedTuple):
     rows: Sequence[Sequence[str]]
     numbers: frozenset[int] = frozenset()
 
-    def short(self, columns: int, rows: int | None = None) -> Grid:
-        """Return its first columns and rows; None: all rows."""
-        first = [row[:columns] for row in self.rows[:rows]]
-        return Grid(self.head[:columns], first, self.numbers & frozenset(range(columns)))
+    def first(self, columns: int) -> Grid:
+        """Return its first columns."""
+        rows = [row[:columns] for row in self.rows]
+        return Grid(self.head[:columns], rows, self.numbers & frozenset(range(columns)))
 
 
 def standing(verdict: Verdict) -> Standing:
@@ -151,7 +151,7 @@ def operating_points(verdict: Verdict) -> Grid:
     return Grid(
         (
             "feed [mm/s]", "[mm/min]", "margin", "what the axis does",
-            "jump [µm]", "familiar formula [µm]", "frequency [1/s]", "familiar formula [1/s]",
+            "jump [µm]", "familiar [µm]", "frequency [1/s]", "familiar [1/s]",
             "settles in [s]", "damping [%]",
         ),
         [
@@ -281,9 +281,9 @@ def hunting(verdict: Verdict) -> tuple[str, ...]:
 
 
 def measures(verdict: Verdict) -> Grid:
-    """Return the measures that are enough, the least effort first; the last column in full."""
+    """Return the measures that are enough, the least effort first."""
     return Grid(
-        ("measure", "effort", "moves", "margin", "at a target", "needs, costs, does not help"),
+        ("measure", "effort", "moves", "margin", "at a target"),
         [
             (
                 one.name,
@@ -291,6 +291,21 @@ def measures(verdict: Verdict) -> Grid:
                 "; ".join(_moves(one)) or "the way to the feed",
                 _margin(one),
                 _at_target(verdict, one),
+            )
+            for one in verdict.measures
+            if one.enough
+        ],
+        frozenset({3}),
+    )
+
+
+def costs(verdict: Verdict) -> Grid:
+    """Return what the measures that are enough need and cost, and what they do not help."""
+    return Grid(
+        ("measure", "needs, costs, does not help"),
+        [
+            (
+                one.name,
                 " ".join(
                     (
                         *(f"Needs: {need}." for need in one.needs),
@@ -302,7 +317,6 @@ def measures(verdict: Verdict) -> Grid:
             for one in verdict.measures
             if one.enough
         ],
-        frozenset({3}),
     )
 
 
