@@ -389,10 +389,10 @@ def design_summary(verdict: Verdict) -> RenderableType:
     ]
     if verdict.stable and verdict.axis.drive is not None:
         parts.append(Text(f"at a target: {tables.hunting(verdict)[0]}"))
-    points = tables.operating_points(verdict).first(5)
+    points = tables.operating_points(verdict).of(*range(5))
     if points.rows:
         parts.append(_of_grid(points))
-    measures = tables.measures(verdict)
+    measures = tables.measures(verdict).of(*range(5))
     rows = [
         (f"{name} ({effort})\n{_moved(moves)}", *row)
         for name, effort, moves, *row in measures.rows[: tables.FIRST]

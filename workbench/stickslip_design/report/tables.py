@@ -52,10 +52,11 @@ class Grid(NamedTuple):
     rows: Sequence[Sequence[str]]
     numbers: frozenset[int] = frozenset()
 
-    def first(self, columns: int) -> Grid:
-        """Return its first columns."""
-        rows = [row[:columns] for row in self.rows]
-        return Grid(self.head[:columns], rows, self.numbers & frozenset(range(columns)))
+    def of(self, *places: int) -> Grid:
+        """Return some of its columns, by their places."""
+        rows = [[row[place] for place in places] for row in self.rows]
+        numbers = frozenset(n for n, place in enumerate(places) if place in self.numbers)
+        return Grid([self.head[place] for place in places], rows, numbers)
 
 
 def standing(verdict: Verdict) -> Standing:
@@ -281,9 +282,9 @@ def hunting(verdict: Verdict) -> tuple[str, ...]:
 
 
 def measures(verdict: Verdict) -> Grid:
-    """Return the measures that are enough, the least effort first."""
+    """Return the measures that are enough, the least effort first; the last column in full."""
     return Grid(
-        ("measure", "effort", "moves", "margin", "at a target"),
+        ("measure", "effort", "moves", "margin", "at a target", "needs, costs, does not help"),
         [
             (
                 one.name,
@@ -291,21 +292,6 @@ def measures(verdict: Verdict) -> Grid:
                 "; ".join(_moves(one)) or "the way to the feed",
                 _margin(one),
                 _at_target(verdict, one),
-            )
-            for one in verdict.measures
-            if one.enough
-        ],
-        frozenset({3}),
-    )
-
-
-def costs(verdict: Verdict) -> Grid:
-    """Return what the measures that are enough need and cost, and what they do not help."""
-    return Grid(
-        ("measure", "needs, costs, does not help"),
-        [
-            (
-                one.name,
                 " ".join(
                     (
                         *(f"Needs: {need}." for need in one.needs),
@@ -317,6 +303,7 @@ def costs(verdict: Verdict) -> Grid:
             for one in verdict.measures
             if one.enough
         ],
+        frozenset({3}),
     )
 
 
