@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from scipy.optimize import brentq
 
 import stickslip as ss
 from stickslip.results import Shown
@@ -28,6 +29,7 @@ RESULTS: dict[str, Callable[[], Any]] = {
     "critical": lambda: ss.critical(ss.Parameters(c=2, v="20 mm/s")),
     "simulate": lambda: ss.simulate(ss.Parameters(c=2), "2 s", engine="reference"),
     "design": lambda: ss.design(AXIS),
+    "compare": lambda: ss.compare({"slow": AXIS, "fast": AXIS | {"demand": {"feeds": "1 m/s"}}}),
 }
 
 
@@ -114,6 +116,36 @@ def test_an_axis_of_a_dictionary_is_that_of_the_file(tmp_path: Path) -> None:
     for same in (file, found.verdict.axis):
         assert found.verdict.sentence == ss.design(same).verdict.sentence
     assert found.report(tmp_path / "axis.html").read_bytes().startswith(b"<!doctype html>")
+
+
+def test_an_optimiser_drives_an_axis_by_its_own_numbers() -> None:
+    def verdict(gap: float) -> Any:
+        friction = {"mu_s": np.float64(0.15 + gap), "mu_k": np.array(0.15)}
+        return ss.design(AXIS | {"friction": friction, "demand": {"feeds": ("1 mm/s",)}}).verdict
+
+    gap = brentq(lambda gap: verdict(gap).points[0].margin - 1.0, 0.001, 0.05, xtol=1e-6)
+    # On a rigid drive the critical feed goes with the gap, which is off by 1e-6 of 1e-3 at most.
+    assert verdict(gap).critical_feed == pytest.approx(1e-3, rel=2e-3)
+
+
+@pytest.mark.parametrize(
+    ("was", "written", "reason"),
+    [
+        ('"500 kg"', "500.0", "axis.mass = 500.0 has no unit; expected a mass in kg, above 0"),
+        ("mass", "masse", 'axis.masse = "500 kg" is an unknown key; nearest: mass'),
+        ("0.20", "-0.2", "friction.mu_s = -0.2 is out of range; expected a plain number"),
+    ],
+)
+def test_a_dictionary_is_refused_as_its_file_is(
+    was: str, written: str, reason: str, tmp_path: Path
+) -> None:
+    text = WRITTEN.replace(was, written)
+    (file := tmp_path / "axis.toml").write_text(text, encoding="utf-8")
+    with pytest.raises(ValueError, match=f": line [12]: {reason}") as of_file:
+        ss.design(file)
+    with pytest.raises(ValueError, match=f"^second: {reason}") as of_tables:
+        ss.compare({"first": AXIS, "second": tomllib.loads(text)})
+    assert str(of_file.value).endswith(str(of_tables.value).removeprefix("second: "))
 
 
 def test_an_fmu_is_built_verified_and_reported(tmp_path: Path) -> None:

@@ -1,6 +1,7 @@
 """`stickslip map`, `scatter`, `sweep`, `design`, `page`, `score`: what they write and say."""
 
 import json
+import re
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -9,6 +10,7 @@ import fmpy
 import pytest
 from fmpy.util import write_csv
 
+import stickslip as ss
 from stickslip.commands.expanded import Computing
 from stickslip.commands.shared import computed
 from stickslip.page.assemble import card, page
@@ -17,6 +19,7 @@ from stickslip_design.axis import example, template
 from stickslip_design.datasets import need, read_grid
 from stickslip_design.report import html
 from stickslip_ref import Parameters, steady_cycle
+from stickslip_units import number, told
 from tests.design import verdicts
 from tests.design.chunks.toy import Toy
 from tests.needs import needs
@@ -215,6 +218,31 @@ def test_a_design_is_a_summary_a_report_and_json(
     assert command("design", "axis.toml", "--json", "other.json").code == 70
     assert Path("axis.html").read_text(encoding="utf-8") == written
     assert not Path("other.json").exists()
+
+
+def test_variants_side_by_side_are_what_differs_then_the_verdict_on_each(command: Command) -> None:
+    text = example().partition("[drive]")[0] + '[demand]\nfeeds = ["30 mm/min", "4 mm/s"]\n'
+    Path("a.toml").write_text(text, encoding="utf-8")
+    text = text.replace('"500 kg"', '"0.25 t"').replace('"4 mm/s"', '"40 mm/s"')
+    Path("b.toml").write_text(text.replace("mu_s = 0.20", "mu_s = 0.15"), encoding="utf-8")
+    out = command.passes("design", "--compare", "a.toml", "b.toml", "--json", "both.json")
+    head, *rows = [re.split(r" {2,}", line.strip()) for line in out.splitlines() if line.strip()]
+    assert head == ["a.toml", "b.toml"]
+    shown = {row[0]: row[1:] for row in rows if len(row) == 3}
+    derived = ("damping ratio, drive held fast", "break-away force, kinetic friction")
+    asked = [f"margin at {feed}" for feed in ("30 mm/min", "4 mm/s", "40 mm/s")]
+    answers = ["verdict", "critical feed", *asked, "at a target", "measure"]
+    assert [*shown] == ["mass", derived[0], "mu_s", derived[1], *answers]
+    assert shown["mass"] == ["500 kg", "250 kg"]
+    assert shown["verdict"] == ["judders", "clean"]
+    verdict = ss.design("a.toml").verdict
+    assert shown["critical feed"] == [told(verdict.critical_feed, "m/s"), "never jumps"]
+    assert shown[asked[1]] == [number(verdict.points[1].margin), "–"]
+    assert verdict.best is not None
+    assert shown["measure"] == [f"{verdict.best.name} ({verdict.best.effort})", "–"]
+    found = json.loads(Path("both.json").read_text(encoding="utf-8"))
+    assert found["a.toml"]["critical_feed"] == verdict.critical_feed
+    assert not Path("a.html").exists()
 
 
 @pytest.mark.parametrize(("which", "text"), [("template", template()), ("example", example())])

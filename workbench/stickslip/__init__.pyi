@@ -1,6 +1,8 @@
+from .judgements import Comparison as Comparison
 from .judgements import CurveVerdict as CurveVerdict
 from .judgements import Design as Design
 from .judgements import FmuVerdict as FmuVerdict
+from .judgements import compare as compare
 from .judgements import design as design
 from .judgements import score as score
 from .judgements import verify as verify

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+import math
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -10,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 from stickslip.files import write
 from stickslip.parameters import ParameterError, Parameters, above_zero
 from stickslip.results import Shown
-from stickslip.show.tables import design_summary, score_table
+from stickslip.show.tables import design_summary, of_grid, score_table
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -271,3 +272,50 @@ def design(axis: AxisSource | Axis) -> Design:
     from stickslip_design.study import design as designed
 
     return Design(designed(axis if isinstance(axis, Axis) else read_axis_file(axis)))
+
+
+@dataclass(frozen=True, repr=False)
+class Comparison(Shown):
+    """Axes side by side; `verdicts` has all figures, by the names of the axes."""
+
+    verdicts: Mapping[str, AxisVerdict]
+
+    def __repr__(self) -> str:
+        return "\n".join(f"{name}: {found.sentence}" for name, found in self.verdicts.items())
+
+    def table(self) -> RenderableType:
+        """Return a column for each axis, the numbers that differ first, for rich."""
+        from stickslip_design.report import comparison
+
+        return of_grid(comparison(self.verdicts))
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the verdicts [SI] by axis, as JSON knows them."""
+        from stickslip_design.report import data
+
+        return {name: data(found) for name, found in self.verdicts.items()}
+
+    def plot(self) -> Figure:
+        """Draw the feeds at which each axis jumps."""
+        from stickslip.show.plot import bars
+
+        jumps = {name: found.cycle for name, found in self.verdicts.items()}
+        return bars(jumps, (0.0, math.inf), "feed")
+
+
+def compare(axes: Mapping[str, AxisSource] | Iterable[Path | str]) -> Comparison:
+    """Return what two axes or more do, side by side: axis files, or by name what `design` takes.
+
+    AxisError if an axis cannot be read, ValueError if there is but one.
+    """
+    from stickslip_design.axis import axis_file_of, read_axis_file
+    from stickslip_design.study import design as designed
+
+    named = axes if isinstance(axes, Mapping) else {str(axis): axis for axis in axes}
+    if len(named) < 2:
+        raise ValueError("a comparison needs two axes or more, each of them once")
+    files = {
+        name: axis_file_of(axis, name) if isinstance(axis, Mapping) else read_axis_file(axis)
+        for name, axis in named.items()
+    }
+    return Comparison({name: designed(file) for name, file in files.items()})

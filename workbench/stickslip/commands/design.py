@@ -10,13 +10,22 @@ from stickslip.errors import CommandError
 @command
 def design(
     axis: Path | None = None,
+    others: list[Path] | None = None,
     *,
+    compare: bool = False,
     output: Path | None = None,
     json: Path | None = None,
     template: bool = False,
     example: bool = False,
 ) -> None:
-    """Say whether a feed axis judders, and what cures it: a summary, and a report to print."""
+    """Say whether a feed axis judders, and what cures it: a summary, and a report to print.
+
+    --compare sets several axes side by side, without a report.
+    """
+    if others and not compare:
+        raise CommandError(f"{others[0]}: one axis has a report; --compare sets several in a table")
+    if compare and (output is not None or template or example):
+        raise CommandError("--compare prints a table: without -o, --template and --example")
     if template or example:
         if template and example:
             raise CommandError("--template and --example are two files: give one of them")
@@ -35,22 +44,25 @@ def design(
         raise CommandError(
             "no axis file is named; stickslip design --template axis.toml writes one to fill in"
         )
+    from stickslip import judgements
     from stickslip.files import check_writable, write
-    from stickslip.judgements import design as designed
     from stickslip.progress import meter
 
+    axes = [axis, *(others or ())]
     report = output or Path(axis.with_suffix(".html").name)
-    targets = {report: "--output"} | ({} if json is None else {json: "--json"})
+    targets = ({} if compare else {report: "--output"}) | ({} if json is None else {json: "--json"})
     for target, option in targets.items():
-        if target.resolve() == axis.resolve():
+        if target.resolve() in [each.resolve() for each in axes]:
             raise CommandError(f"{option} {target}: that is the axis file; name another file")
         check_writable(target, option)
-    if json is not None and report.resolve() == json.resolve():
+    if json is not None and not compare and report.resolve() == json.resolve():
         raise CommandError(f"--json {json}: the report goes there; name another file")
-    with meter("Studying the axis"):
-        found = designed(axis)
-        texts = {report: found.html()} | ({} if json is None else {json: found.to_json() + "\n"})
+    with meter(f"Studying the {'axes' if compare else 'axis'}"):
+        found = judgements.compare(axes) if compare else judgements.design(axis)
+        texts = {report: found.html()} if isinstance(found, judgements.Design) else {}
+        texts |= {} if json is None else {json: found.to_json() + "\n"}
     for target, text in texts.items():
         write(target, text.encode("utf-8"), targets[target])
     console().print(found.table())
-    print("report:", ", ".join(map(str, texts)))
+    if texts:
+        print("report:", ", ".join(map(str, texts)))

@@ -152,7 +152,11 @@ def figure(run: Run) -> Figure:
 
 
 @mpl.rc_context(_STYLE)
-def bars(rows: Mapping[str, Sequence[Interval]], between: tuple[float, float]) -> Figure:
+def bars(
+    rows: Mapping[str, Sequence[Interval]],
+    between: tuple[float, float],
+    of: str = "pulling velocity",
+) -> Figure:
     """Draw intervals of the pulling velocity [m/s], a row each, in the range searched."""
     page = Figure(figsize=(10.0, 2.4), layout="constrained")
     panel = page.add_subplot()
@@ -167,7 +171,7 @@ def bars(rows: Mapping[str, Sequence[Interval]], between: tuple[float, float]) -
             panel.barh(row, min(each.high / scale.size, high) - begin, 0.5, begin, color=_BLUE)
     panel.set(xlim=(low, high), ylim=(len(rows) - 0.5, -0.5), yticks=range(len(rows)))
     panel.set_yticklabels(rows)
-    panel.set_xlabel(f"pulling velocity  [{scale.symbol}]")
+    panel.set_xlabel(f"{of}  [{scale.symbol}]")
     return page
 
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 import re
-import textwrap
 from collections import Counter
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from types import MappingProxyType
@@ -87,7 +86,8 @@ class Fitted:
         )
         shown = Group(next(fitting, self._forms[-1]), *self._notes)
         for line in console.render_lines(shown, options, pad=False):
-            yield from _without_blanks_at_the_end(line)
+            for text, style, control in _without_blanks_at_the_end(line):
+                yield Segment(text.replace(_NO_BREAK, " "), style, control)
             yield Segment.line()
 
 
@@ -370,9 +370,10 @@ def _results(found: xarray.Dataset) -> Table:
     return grid(("result", "unit", "least", "greatest", "NaN", "meaning"), rows, texts=(0, 1, 5))
 
 
-_NO_BREAK: Final = "\N{NO-BREAK SPACE}"
-_MOVES: Final = 42
-"""Characters in a line of what a measure moves: as many as 80 columns leave."""
+_HELD: Final = re.compile(r"(?<=[\d∞→]) |(?<![,;]) (?=[\d∞])")
+"""The blanks between a name, its number and its unit."""
+_NO_BREAK: Final = "\N{BRAILLE PATTERN BLANK}"
+"""What stands for it while lines are folded: rich folds at a no-break space too."""
 _TONES: Final = {"good": "bold green", "warn": "bold yellow", "bad": "bold red"}
 
 
@@ -391,31 +392,25 @@ def design_summary(verdict: Verdict) -> RenderableType:
         parts.append(Text(f"at a target: {tables.hunting(verdict)[0]}"))
     points = tables.operating_points(verdict).of(*range(5))
     if points.rows:
-        parts.append(_of_grid(points))
+        parts.append(of_grid(points))
     measures = tables.measures(verdict).of(*range(5))
     rows = [
-        (f"{name} ({effort})\n{_moved(moves)}", *row)
+        (f"{name} ({effort})\n  {moves}", *row)
         for name, effort, moves, *row in measures.rows[: tables.FIRST]
     ]
     if rows:
         head = ("measure, and what it moves", *measures.head[3:])
-        parts.append(_of_grid(tables.Grid(head, rows, frozenset({1, 2}))))
+        parts.append(of_grid(tables.Grid(head, rows, frozenset({1, 2}))))
     if others := tables.others(verdict):
         parts.append(Text(f"other measures, with reasons in the report: {others}"))
     return Group(*parts)
 
 
-def _moved(moves: str) -> str:
-    """Return the numbers that a measure moves in lines that hold each number with its unit."""
-    held = moves.replace("; ", ";\n").replace(" ", _NO_BREAK).replace("\n", " ")
-    return textwrap.fill(held, _MOVES, initial_indent="  ", subsequent_indent="  ").replace(
-        _NO_BREAK, " "
-    )
-
-
-def _of_grid(shown: Grid) -> RenderableType:
+def of_grid(shown: Grid) -> RenderableType:
+    """Make the table of a grid; where its texts can be folded its numbers are not."""
     texts = [place for place in range(len(shown.head)) if place not in shown.numbers]
-    table, narrow = (grid(shown.head, shown.rows, texts=texts) for _ in range(2))
+    rows = [[_HELD.sub(_NO_BREAK, cell) for cell in row] for row in shown.rows]
+    table, narrow = (grid(shown.head, rows, texts=texts) for _ in range(2))
     for place in shown.numbers:
         table.columns[place].no_wrap = True
         table.columns[place].min_width = max(len(row[place]) for row in (shown.head, *shown.rows))

@@ -134,8 +134,7 @@ def axis_file_of(
         except tomllib.TOMLDecodeError as error:
             raise _not_toml(error, name, text) from None
     else:
-        data = text
-        text = ""
+        data, text = _as_toml(text), ""
     values: dict[str, Value] = {}
     written: dict[str, str] = {}
     sections: list[str] = []
@@ -150,6 +149,15 @@ def axis_file_of(
         error.name, error.line = name, _line_of(text, error.key)
         raise
     return AxisFile(name, values, tuple(sections), written, text, folder or Path())
+
+
+def _as_toml(value: Any) -> Any:
+    """Return tables from Python as TOML has them: of dictionaries, lists and plain numbers."""
+    if isinstance(value, Mapping):
+        return {str(name): _as_toml(inner) for name, inner in value.items()}
+    if isinstance(value, list | tuple):
+        return [_as_toml(inner) for inner in value]
+    return value.tolist() if isinstance(value, np.ndarray | np.generic) else value
 
 
 def _unread(error: OSError) -> str:

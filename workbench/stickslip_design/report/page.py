@@ -21,17 +21,14 @@ from ..axis.keys import KEYS
 from ..loop.stability import Swing
 from ..verdict import OperatingPoint, Verdict
 from . import plots, tables
-from .sketch import sketch
+from .drawing import sketch
 from .tables import standing
 
 _TEMPLATES: Final = Path(__file__).parent / "templates"
 
 
 def html(verdict: Verdict) -> str:
-    """Return a verdict as a page: at most four on paper (A4), the first of them for a meeting.
-
-    That one has the verdict, pictures of the axis and its motions, and the measures of least
-    effort; what they rest on is behind it.
+    """Return a verdict as a page: at most four on paper (A4), the first for a meeting.
 
     The same verdict gives the same text.
     """
