@@ -306,7 +306,10 @@ class Comparison(Shown):
 def compare(axes: Mapping[str, AxisSource] | Iterable[Path | str]) -> Comparison:
     """Return what two axes or more do, side by side: axis files, or by name what `design` takes.
 
-    AxisError if an axis cannot be read, ValueError if there is but one.
+    Raises
+    ------
+    AxisError, ValueError
+        If an axis cannot be read, in one line; if there is but one.
     """
     from stickslip_design.axis import axis_file_of, read_axis_file
     from stickslip_design.study import design as designed
