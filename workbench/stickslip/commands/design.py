@@ -18,10 +18,7 @@ def design(
     template: bool = False,
     example: bool = False,
 ) -> None:
-    """Say whether a feed axis judders, and what cures it: a summary, and a report to print.
-
-    --compare sets several axes side by side, without a report.
-    """
+    """Say whether a feed axis judders, and what cures it: a summary, and a report to print."""
     if others and not compare:
         raise CommandError(f"{others[0]}: one axis has a report; --compare sets several in a table")
     if compare and (output is not None or template or example):

@@ -393,14 +393,14 @@ def design_summary(verdict: Verdict) -> RenderableType:
     points = tables.operating_points(verdict).of(*range(5))
     if points.rows:
         parts.append(of_grid(points))
-    measures = tables.measures(verdict).of(*range(5))
+    measures = tables.measures(verdict)
     rows = [
         (f"{name} ({effort})\n  {moves}", *row)
-        for name, effort, moves, *row in measures.rows[: tables.FIRST]
+        for name, effort, moves, *row, _ in measures.rows[: tables.FIRST]
     ]
     if rows:
-        head = ("measure, and what it moves", *measures.head[3:])
-        parts.append(of_grid(tables.Grid(head, rows, frozenset({1, 2}))))
+        head = ("measure, and what it moves", *measures.head[3:-1])
+        parts.append(of_grid(tables.Grid(head, rows, frozenset(range(1, len(head))))))
     if others := tables.others(verdict):
         parts.append(Text(f"other measures, with reasons in the report: {others}"))
     return Group(*parts)

@@ -53,7 +53,7 @@ class Grid(NamedTuple):
     numbers: frozenset[int] = frozenset()
 
     def of(self, *places: int) -> Grid:
-        """Return some of its columns, by their places."""
+        """Return some of its columns, by their places; -1: the last one."""
         rows = [[row[place] for place in places] for row in self.rows]
         numbers = frozenset(n for n, place in enumerate(places) if place in self.numbers)
         return Grid([self.head[place] for place in places], rows, numbers)
