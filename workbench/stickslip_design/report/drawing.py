@@ -55,13 +55,13 @@ def sketch(verdict: Verdict) -> Figure:
         on.annotate("", (tail + 40.0, 108.0), (tail, 108.0), arrowprops=look)
         law = "" if axis.friction.law == "coulomb" else f" ({axis.friction.law})"
         static, kinetic = (shown.get(f"friction.mu_{which}", "–") for which in "sk")
-        forces = shown.get("break-away force, kinetic friction", "").replace(", ", ", slides at ")
+        (forces,) = (value for name, value in shown.items() if name.startswith("break-away"))
         for x, y, text in (
-            (tail + 80.0, 105.0, feed_in_words(point.feed) if point else ""),
-            (89.0, 79.0, shown.get("axis.stiffness", "")),
-            (210.0, 79.0, shown.get("axis.c", "")),
+            (tail + 74.0, 105.0, feed_in_words(point.feed) if point else ""),
+            (89.0, 81.0, shown.get("axis.stiffness", "")),
+            (210.0, 81.0, shown.get("axis.c", "")),
             (126.0, 20.0, f"friction{law}: static {static}, kinetic {kinetic}"),
-            (126.0, 6.0, f"breaks away at {forces}"),
+            (126.0, 6.0, f"breaks away at {forces.replace(', ', ', slides at ')}"),
         ):
             on.text(x, y, text, ha="center", fontsize=LETTERS)
     return page
