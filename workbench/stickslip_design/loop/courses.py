@@ -55,8 +55,9 @@ _MOST: Final = 6_000
 """Events that are followed."""
 _AHEAD: Final = 16
 """Events of the table that are followed at once."""
-_LONGEST: Final = 400.0
-"""Times the period of a swing of the table on its spring that are followed after a slip begins."""
+_LONGEST, _SLOW = 400.0, 25.0
+"""Times the period of a swing of the table on its spring, and the time in which the drive settles,
+that are followed after a slip begins."""
 
 
 class Course(NamedTuple):
@@ -150,12 +151,14 @@ class Courses:
         period = 2.0 * math.pi * math.sqrt(axis.m / axis.k)
         ramp = float(point.state[self._system.layout.acceleration])
         # What holds is loaded by the feed; a drive that lags or turns back takes longer.
-        longest = _LONGEST * period
+        longest = _LONGEST * period + _SLOW * settling(axis)
         end, ends = 8.0 * axis.F_s / (axis.k * feed) + longest, feed / ramp if ramp else math.inf
         # Which line that is follows from the feed.
         line = next(n for n, line in enumerate(self._system.lines) if feed <= line.high)
         settles = settling(axis) if self._decays(line) else math.inf
-        watched = Watched(end, longest, _MOST, ends, feed, _BESIDE * period, settles=settles)
+        watched = Watched(
+            end, longest, longest, _MOST, ends, feed, _BESIDE * period, settles=settles
+        )
         return walk(self._system, mode, point, watched)
 
     def _sticks(self, events: list[Turn], sticks: list[int]) -> Course | None:
@@ -356,17 +359,19 @@ def jump_ranges(axis: Axis) -> tuple[Interval, ...]:
 
     With constant coefficients, and with growth at rest, there is one range from the slowest feed
     on. Beyond it, and where friction changes with the speed, motions out of a break-away and out of
-    a blow are followed: at `_RUNGS` feeds apart by `_RUNG`, or at those of `beginnings`. The upper
-    end of a range is that of `limit_of_jumps`, or found by halving as the lower end is. Narrower
-    ranges than between two feeds may be missed.
+    a blow are followed: at `_RUNGS` feeds apart by `_RUNG`, or at those of `beginnings`, and at
+    those of the demand. The upper end of a range is that of `limit_of_jumps`, or found by halving
+    as the lower end is. Narrower ranges than between two feeds may be missed.
     """
+    begin, asked = beginnings(axis), axis.demand.feeds
     if axis.friction.law != "coulomb":
-        return merged(_scanned(axis, beginnings(axis)[::-1], 0.0))
+        return merged(_scanned(axis, sorted({*begin, *asked}), 0.0))
     limit = limit_of_jumps(axis).feed
     slow = [Interval(0.0, limit, "none", "grazing")] if limit > 0.0 else []
-    below = limit or beginnings(axis)[0]
-    feeds = [below * _RUNG**number for number in range(1, _RUNGS + 1)] if below > 0.0 else []
-    return merged([*slow, *_scanned(axis, feeds, below)])
+    first = limit * _RUNG or begin[0]
+    feeds = {first * _RUNG**number for number in range(_RUNGS)} if first > 0.0 else set()
+    feeds.update(feed for feed in asked if feed > limit)
+    return merged([*slow, *_scanned(axis, sorted(feeds), limit or begin[-1])])
 
 
 def _scanned(axis: Axis, feeds: list[float], below: float) -> list[Interval]:
@@ -378,7 +383,8 @@ def _scanned(axis: Axis, feeds: list[float], below: float) -> list[Interval]:
             continue
         last = next((n for n in range(first, len(feeds)) if not forms[n]), len(feeds)) - 1
         without = feeds[first - 1] if first else below
-        low = _end(axis, feeds[first], without) if without > 0.0 else 0.0
+        from_slowest = not first and (below == 0.0 or _forms(axis, below))
+        low = 0.0 if from_slowest else _end(axis, feeds[first], without)
         high = limit_of_jumps(axis, begin=feeds[last]).feed
         if high < feeds[last] and last + 1 < len(feeds):
             high = _end(axis, feeds[last], feeds[last + 1])

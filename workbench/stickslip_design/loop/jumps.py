@@ -17,7 +17,9 @@ from .system import LAST, Mode, System, lines_of, system_of
 _CYCLES: Final = 12
 """Cycles at each feed: the first half lets it settle, over the second samples fall differently."""
 _LONGEST: Final = 1e3
-"""No cycle, where a slip or a stick lasts longer than this, relative to the time 1/w."""
+"""No cycle, where a slip lasts longer than this, relative to the time 1/w."""
+_SLOW: Final = 25.0
+"""And a rest by this longer, relative to what the drive takes to settle: it may wind up."""
 _STEADY: Final = 2e-4
 """Cycles are steady where half of them is as long as the other, to this."""
 _CLOSE: Final = 5e-4
@@ -73,12 +75,15 @@ class Jumping:
         """Return the jumps of some cycles at a feed [m/s]; None, and stay, where they end."""
         axis = self._system.axis
         w = math.sqrt(axis.k / axis.m)
-        longest = _LONGEST / w + 4.0 * axis.F_s / (axis.k * self.feed)
+        slips = _LONGEST / w + 4.0 * axis.F_s / (axis.k * self.feed)
+        rests = slips + _SLOW * settling(axis)
         # The least speed comes within a swing; where the friction falls, going on so could grow
         # without end.
         line = next(n for n, line in enumerate(self._system.lines) if feed <= line.high)
         settles = settling(axis) if self._decays(line) else math.inf
-        watched = Watched(longest, longest, least=2.0 * math.pi / w, rebased=True, settles=settles)
+        watched = Watched(
+            slips, slips, rests, least=2.0 * math.pi / w, rebased=True, settles=settles
+        )
         following = walk(self._system, Mode(0, 1), self._moved(feed), watched)
         turns = following.turns(1)
         jumps: list[Jump] = []

@@ -207,8 +207,9 @@ class Watched(NamedTuple):
 
     end: float
     """The time after which it ends."""
-    renewed: float = 0.0
-    """What is left of it at least after an event of the table between rest and slip."""
+    slips: float = 0.0
+    rests: float = 0.0
+    """What is left of it at least when a slip begins, and a rest."""
     most: int = MOST_TURNS
     """Events, those of the motor among them, after which it ends."""
     ramp: float = math.inf
@@ -267,7 +268,7 @@ class _NativeWalk:
         self._settles = watched.settles
         self._walk = NativeWalk(
             self._state.ctypes.data, point.offset, 0.0, 0.0, 0.0, SETTLED, tuple(mode),
-            watched.ramp, watched.end, watched.renewed, watched.feed, watched.beside,
+            watched.ramp, watched.end, watched.slips, watched.rests, watched.feed, watched.beside,
             watched.least, watched.settles, watched.beside > 0.0, watched.rebased,
             False, False, 0, watched.most,
         )  # fmt: skip
@@ -359,7 +360,7 @@ class _PythonWalk:
             self._rising = not self._rising
         elif self.mode.table != before.table:
             self._rising = self.mode.table > 0
-            self._end = max(self._end, watched.renewed)
+            self._end = max(self._end, watched.slips if self.mode.table else watched.rests)
         else:
             return []
         assert reached.event is not None

@@ -53,7 +53,7 @@ class NativeWalk(Structure):
         ("state", c_void_p),
         *_fields(c_double, "offset passed near off band"),
         ("mode", _Mode),
-        *_fields(c_double, "left end renewed feed beside least settles"),
+        *_fields(c_double, "left end slips rests feed beside least settles"),
         *_fields(c_int, "extremes rebased rising turned turns most"),
     )
 

@@ -94,7 +94,7 @@ def hunting(axis: Axis) -> Hunting | None:
     target = (axis.F_s - axis.F_k) / axis.k
     state[system.layout.command] = target
     mode = Mode(0, 0 if system.drive.dry > 0.0 else 1)
-    following = walk(system, mode, Point(state, 0.0), Watched(_LONGEST, _LONGEST))
+    following = walk(system, mode, Point(state, 0.0), Watched(_LONGEST, _LONGEST, _LONGEST))
     turns: list[Turn] = []
     while (rests := [turn for turn in turns if turn.event == "stop"])[_SLIPS - 1 :] == []:
         found = following.turns(2 * _SLIPS - len(rests))

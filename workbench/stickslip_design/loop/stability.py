@@ -94,10 +94,14 @@ def _swing(system: System, z: Eigenvalues) -> Swing:
 
 def settling(axis: Axis) -> float:
     """Return the time in which a stable loop settles [s], at length; for `motion.Watched`."""
+    return 8.0 * math.pi * math.sqrt(axis.m / axis.k) + 4.0 * slowest(axis)
+
+
+def slowest(axis: Axis) -> float:
+    """Return the time constants of position loop and integral [s]: it may wind up, and creep."""
     drive = axis.drive
     assert drive is not None
-    slowest = 8.0 * math.pi * math.sqrt(axis.m / axis.k) + 4.0 * drive.T_n
-    return slowest + (4.0 / drive.K_v if drive.K_v > 0.0 else math.inf)
+    return drive.T_n + (1.0 / drive.K_v if drive.K_v > 0.0 else math.inf)
 
 
 def decays(system: System, line: int) -> bool:

@@ -82,7 +82,7 @@ struct motion {
 /* A motion on its way, and how it is followed: motion.py. */
 struct walk {
     struct motion motion;
-    double left, end, renewed, feed, beside, least, settles;
+    double left, end, slips, rests, feed, beside, least, settles;
     int extremes, rebased, rising, turned, turns, most;
 };
 
@@ -683,7 +683,7 @@ size_t stickslip_walk(const struct axis *axis, struct walk *walk, struct row row
         } else if (motion->mode.table != before) {
             walk->rising = motion->mode.table > 0;
             motion->near = 0.0;
-            walk->end = fmax(walk->end, walk->renewed);
+            walk->end = fmax(walk->end, motion->mode.table ? walk->slips : walk->rests);
         } else {
             continue;
         }
