@@ -14,9 +14,11 @@ import tempfile
 import time
 import tracemalloc
 from collections.abc import Callable, Iterator, Sequence
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import NamedTuple
+from unittest import mock
 
 import fmpy
 import numpy as np
@@ -29,9 +31,11 @@ from benchmarks.chunks import measure_chunks
 from benchmarks.empty_slave import build_empty_slave
 from benchmarks.page import NoBrowserError, measure_moves, measure_opening
 from stickslip.page import page
-from stickslip_design.axis import axis_file_of, example
+from stickslip_design.axis import Friction, axis_file_of, example
 from stickslip_design.chunks import run as run_study
+from stickslip_design.loop import native
 from stickslip_design.loop.jumps import limit_of_jumps
+from stickslip_design.points.axes import axis_points
 from stickslip_design.points.blocks import block_points
 from stickslip_design.sweeps.study import prepare
 from stickslip_fmu.block import Block
@@ -207,10 +211,34 @@ def _step_in_slip(law: str, *, changing: bool) -> float:
 
 
 def of_axis(folder: Path) -> Iterator[Row]:
-    """Time the verdict on a feed axis with its drive, from the call to the report."""
-    axis = axis_file_of(example()).axis()
-    limit = best_of(5, lambda: limit_of_jumps(axis))
-    yield Row("critical feed in the loop", "axis", limit, at_most=0.5)
+    """Time the verdict on a feed axis with its drive, from the limit to the report, and a map."""
+    file = axis_file_of(example())
+    axis = file.axis()
+    laws = {
+        "constant": axis.friction,
+        "growing at rest": replace(axis.friction, own={"tau_s": 0.5}),
+        "falling": replace(
+            axis.friction, law="stribeck", own={"shape": 1.0, "v_s": 5e-3, "delta": 2.0}
+        ),
+    }
+
+    def limit(friction: Friction) -> None:
+        # A new axis: nothing of it is known.
+        limit_of_jumps(replace(axis, friction=friction))
+
+    def in_python(friction: Friction) -> None:
+        with mock.patch.object(native, "library", return_value=None):
+            limit(friction)
+
+    for law, friction in laws.items():
+        times = best_of(3, partial(limit, friction), partial(in_python, friction))
+        at_most = 10e-3 if law == "constant" else 30e-3
+        what = f"critical feed in the loop, friction {law}"
+        yield Row(what, "axis", times, "in Python", 0.1, at_most)
+    draw = np.random.default_rng(1).uniform
+    changes = {"axis.mass": draw(300.0, 800.0, 50), "axis.stiffness": draw(2e7, 8e7, 50)}
+    times = best_of(1, lambda: axis_points(file, changes, (5e-4,)), count=50)
+    yield Row("map of an axis with its loop", "point", times, at_most=30e-3)
     (folder / "axis.toml").write_text(example(), encoding="utf-8")
     words = [Path(sys.executable).with_name("stickslip"), "design", "axis.toml"]
     env = {**os.environ, "OPENBLAS_NUM_THREADS": "1"}

@@ -1,7 +1,9 @@
 """The servo loop around an axis: limits, stability, hunting, starts from rest, open loops."""
 
 import math
+import subprocess
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -20,7 +22,9 @@ from stickslip_design.loop.motion import Point, Watched, walk
 from stickslip_design.loop.rest import hunting, limit_from_rest
 from stickslip_design.loop.stability import gain_limits, is_stable, open_loop, swing
 from stickslip_design.loop.system import Mode, System
+from stickslip_native.named import HOME
 from tests.design.axes import SERVO, driven, random_axis
+from tests.native.test_native_libraries import STRICT
 from tests.needs import needs
 
 FAST = {"bandwidth": 600.0, "T_n": 4.0 / 600.0}
@@ -181,6 +185,13 @@ def test_about_a_target_backward_is_the_mirror_of_forward(lag: float) -> None:
 def in_python(monkeypatch: pytest.MonkeyPatch) -> None:
     """Take the way without a compiler."""
     monkeypatch.setattr(native, "library", lambda: None)
+
+
+@needs("cc")
+def test_the_loop_in_c_compiles_without_a_warning() -> None:
+    subprocess.run(
+        ["cc", *STRICT, f"-I{HOME}/face", Path(native.__file__).with_name("walk.c")], check=True
+    )
 
 
 @needs("cc")

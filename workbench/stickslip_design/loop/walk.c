@@ -526,7 +526,7 @@ static enum event follow(const struct axis *axis, struct motion *motion, enum ev
     const int blocks = !extreme_alone && mode.motor && axis->parts <= FEW_PARTS;
     int stay = 0;
     double push = NAN;
-    struct margin begin[MOST_MARGINS], end[MOST_MARGINS];
+    struct margin begin[MOST_MARGINS], end[MOST_MARGINS] = {{TIME, 0.0, 0.0}};
     plant_rates rates;
     rates_of(axis, mode, rates);
     *elapsed = 0.0;
