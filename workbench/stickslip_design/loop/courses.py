@@ -19,10 +19,11 @@ from ..one_thread import one_thread
 from .jumps import Limit, beginnings, limit_of_jumps, loaded
 from .motion import Point, Turn, Walk, Watched, walk
 from .stability import decays, settling, swing
-from .system import LAST, MOTOR, SPEED, Mode, line_at, system_of
+from .system import LAST, MOTOR, SPEED, Line, Mode, line_at, system_of
 
-Begin = Literal["rest", "jumps", "struck", "even"]
+Begin = Literal["rest", "jumps", "struck", "held", "even"]
 
+_JOLTS: Final[tuple[Begin, ...]] = ("jumps", "struck", "held")
 _EXTREMES: Final = ("peak", "dip")
 _DEVIATION: Final = 0.02
 """Of the table's speed from the feed where a motion near even sliding begins."""
@@ -82,7 +83,10 @@ class Courses:
 
     @one_thread
     def course(self, begin: Begin) -> Course:
-        """Return where the motion leads: from rest, a break-away, a blow, or even motion."""
+        """Return where the motion leads: from rest, a break-away, a blow, a hold, or even motion.
+
+        A break-away is that of a motor that creeps; of one that moves evenly after a hold.
+        """
         if self._axis.F_s == 0.0:
             # Nothing holds: the loop is linear, and its least damped swing dies away.
             least = swing(self._axis)
@@ -120,6 +124,8 @@ class Courses:
         motor = 0 if system.drive.dry > 0.0 else 1
         if begin == "jumps":
             return Mode(0, 1), loaded(system, feed)
+        if begin == "held":
+            return Mode(0, 1), loaded(system, feed, self._even_force())
         if begin == "struck":
             # As after a blow: the spring pulls with twice the break-away force.
             point = loaded(system, feed)
@@ -133,11 +139,20 @@ class Courses:
             return Mode(0, motor), Point(state, 0.0)
         return self._beside(_DEVIATION)
 
+    def _line(self) -> Line:
+        """Return the line of the friction at the feed."""
+        return next(line for line in self._system.lines if self._feed <= line.high)
+
+    def _even_force(self) -> float:
+        """Return the force of the spring in even motion [N]."""
+        axis, line = self._axis, self._line()
+        force = line.force + line.slope * (self._feed - line.low)
+        return force + axis.c * self._feed - axis.along
+
     def _beside(self, deviation: float) -> tuple[Mode, Point]:
         """Return even motion but for the table's speed, which is off by so much of the feed."""
         system, axis, feed = self._system, self._axis, self._feed
-        sliding = next(line for line in system.lines if feed <= line.high)
-        force = sliding.force + sliding.slope * (feed - sliding.low) + axis.c * feed - axis.along
+        sliding, force = self._line(), self._even_force()
         state = system.holding(force, feed, force / axis.k)
         state[SPEED] = feed * (1.0 + deviation)
         if not sliding.low < state[SPEED] < sliding.high:
@@ -154,7 +169,7 @@ class Courses:
         longest = _LONGEST * period + _SLOW * settling(axis)
         end, ends = 8.0 * axis.F_s / (axis.k * feed) + longest, feed / ramp if ramp else math.inf
         # Which line that is follows from the feed.
-        line = next(n for n, line in enumerate(self._system.lines) if feed <= line.high)
+        line = self._system.lines.index(self._line())
         settles = settling(axis) if self._decays(line) else math.inf
         watched = Watched(
             end, longest, longest, _MOST, ends, feed, _BESIDE * period, settles=settles
@@ -294,10 +309,10 @@ class Courses:
 
 
 def jolted(axis: Axis, feed: float) -> Iterator[Kind]:
-    """Yield where motions out of a break-away and out of a blow lead at a feed [m/s]."""
+    """Yield where motions out of a break-away, a blow and a hold lead at a feed [m/s]."""
     courses = Courses(axis, feed)
-    yield courses.course("jumps").kind
-    yield courses.course("struck").kind
+    for begin in _JOLTS:
+        yield courses.course(begin).kind
 
 
 def _heights(run: list[Turn], windows: int = 3) -> list[float]:
@@ -314,7 +329,7 @@ def regime_in_loop(axis: Axis, feed: float, limit: Limit | None = None) -> Regim
     """
     least = swing(axis, line=line_at(axis, feed))
     courses = Courses(axis, feed)
-    begins: tuple[Begin, ...] = ("rest", "jumps", "struck")
+    begins: tuple[Begin, ...] = ("rest", *_JOLTS)
     begins += ("even",) if least.damping < 0.0 else ()
     found = [courses.course(begin) for begin in begins]
     # One that was followed to a stop only ends as jumps do.
@@ -358,8 +373,8 @@ def jump_ranges(axis: Axis) -> tuple[Interval, ...]:
     """Return the feeds [m/s] at which a servo axis sticks and slips.
 
     With constant coefficients, and with growth at rest, there is one range from the slowest feed
-    on. Beyond it, and where friction changes with the speed, motions out of a break-away and out of
-    a blow are followed: at `_RUNGS` feeds apart by `_RUNG`, or at those of `beginnings`, and at
+    on. Beyond it, and where friction changes with the speed, motions out of a break-away, a blow
+    and a hold are followed: at `_RUNGS` feeds apart by `_RUNG`, or at those of `beginnings`, and at
     those of the demand. The upper end of a range is that of `limit_of_jumps`, or found by halving
     as the lower end is. Narrower ranges than between two feeds may be missed.
     """
@@ -394,7 +409,7 @@ def _scanned(axis: Axis, feeds: list[float], below: float) -> list[Interval]:
 
 
 def _forms(axis: Axis, feed: float) -> bool:
-    """Return whether a motion out of a break-away or a blow at a feed goes on to stick and slip."""
+    """Return whether a motion out of one of the jolts at a feed goes on to stick and slip."""
     return any(kind == STICKS for kind in jolted(axis, feed))
 
 

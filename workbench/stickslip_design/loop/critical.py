@@ -88,7 +88,7 @@ def judders(axis: Axis, feed: float) -> bool:
 def kind_beside(axis: Axis, feed: float) -> Kind:
     """Return what a servo axis may do beside even motion at a feed [m/s]; "even" if nothing.
 
-    After a break-away, and after a blow.
+    After a break-away, a blow, and a hold.
     """
     kinds = set(jolted(axis, feed))
     if STICKS in kinds:

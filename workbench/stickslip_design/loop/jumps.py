@@ -12,7 +12,7 @@ from ..axis import Axis
 from ..one_thread import one_thread
 from .motion import Point, Watched, walk
 from .stability import decays, settling
-from .system import LAST, Mode, System, lines_of, system_of
+from .system import LAST, TABLE, Mode, System, lines_of, system_of
 
 _CYCLES: Final = 12
 """Cycles at each feed: the first half lets it settle, over the second samples fall differently."""
@@ -116,15 +116,18 @@ class Jumping:
         return Point(state + even, self._at.offset)
 
 
-def loaded(system: System, feed: float) -> Point:
+def loaded(system: System, feed: float, even: float | None = None) -> Point:
     """Return where a table at rest is about to break away, the motor creeping at a feed [m/s].
 
-    The break-away comes half a sample later.
+    The break-away comes half a sample later. The motor pushes with the force of the spring, or with
+    that of an even motion [N], during which the table was held.
     """
     axis = system.axis
     age = axis.F_s / (axis.k * feed)
     pull = system.held(age) - axis.along
-    state = system.holding(pull, feed, pull / axis.k - 0.5 * system.drive.T_s * feed)
+    pushed = pull if even is None else even
+    state = system.holding(pushed, feed, pushed / axis.k - 0.5 * system.drive.T_s * feed)
+    state[TABLE] = (pushed - pull) / axis.k
     state[system.layout.ungrown] *= np.exp(-system.growth[0] * age)
     return Point(state, 0.0)
 
