@@ -147,6 +147,9 @@ say. It is made from the table that the command reads with.
   does as well. Percent are of the value, unless that is in percent itself.
 - Forces, dampings and the inertia of a drive are stated at the slide (`N`, `N s/m`, `kg`) or at
   the motor (`N m`, `N m s/rad`, `kg cm2`).
+- `drive.kind` says what is between motor and table. A rotary table is stated in degrees and N m, as
+  the [last table](#belt-and-rotary) lists. `stickslip design --template --kind belt` or `rotary`
+  writes a file of its keys.
 - What the file does not state is assumed as listed, and the report says so.
 - A key in bold must be stated, or what may stand in its place.
 
@@ -167,6 +170,25 @@ The axis of [feed-axis.md](feed-axis.md):
             meaning = key.meaning + (f" With `{key.needs}` only." if key.goes_with else "")
             taken = ": ".join(filter(None, (key.taken, key.reason)))
             yield f"| {name} | `{key.example}` | {marks} | {meaning} | {taken} |"
+    yield from """
+## Belt and rotary
+
+What is otherwise with `kind = "belt"` and `kind = "rotary"`. Of a rotary table torques, dampings
+and the inertia in `[drive]` are those at the motor, before the gear; all else is at the table.
+
+| key | kind | example | what it is | without it |
+|---|---|---|---|---|""".splitlines()
+    for key in KEYS.values():
+        for kind in key.by_kind:
+            other = key.of(kind)
+            differs = (other.units, other.meaning, other.taken) != (
+                key.units,
+                key.meaning,
+                key.taken,
+            )
+            if other.fits(kind) and differs:
+                meaning = other.meaning if other.meaning != key.meaning else ""
+                yield f"| `{key.path}` | {kind} | `{other.example}` | {meaning} | {other.taken} |"
 
 
 _OF = {
@@ -237,6 +259,8 @@ def _condition(one: Condition) -> str:
     name = one.key.partition(".")[2]
     if one.text:
         return f'`{name} = "{one.text}"`'
+    if one.none_of:
+        return f"`{name}` not {' or '.join(one.none_of)}"
     ends = (("above", one.above), ("below", one.below))
     return f"`{name}` {' and '.join(f'{side} {end:g}' for side, end in ends if end is not None)}"
 

@@ -25,8 +25,10 @@ from .shown import (
     number,
     per_minute,
     scale_for,
+    scale_of,
     shown_in,
     told,
+    turning,
 )
 from .units import (
     UNIT_PREFIXES,
@@ -66,9 +68,11 @@ __all__ = [
     "parts_of",
     "per_minute",
     "scale_for",
+    "scale_of",
     "shown_in",
     "spelled",
     "told",
+    "turning",
     "typed",
     "typed_in",
 ]

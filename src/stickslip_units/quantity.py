@@ -190,8 +190,13 @@ def typed(text: str, unit: str, within: str = "") -> float:
 _ONE: Final = Unit(Fraction(1), Fraction(0), (0,) * 8)
 _RAD: Final = replace(_ONE, dimension=(0, 0, 0, 0, 0, 0, 0, 1))
 _TURN: Final = replace(_RAD, factor=Fraction(2.0 * math.pi))
+_DEGREE: Final = replace(_RAD, factor=Fraction(math.pi) / 180)
 _ROTARY: Final[Mapping[str, Unit]] = {
     "rad": _RAD,
+    "mrad": replace(_RAD, factor=Fraction(1, 1000)),
+    "deg": _DEGREE,
+    "arcmin": replace(_RAD, factor=_DEGREE.factor / 60),
+    "arcsec": replace(_RAD, factor=_DEGREE.factor / 3600),
     "turn": _TURN,
     "rev": _TURN,
     "rpm": Unit(_TURN.factor / 60, Fraction(0), (0, 0, -1, 0, 0, 0, 0, 1)),
@@ -212,9 +217,10 @@ def on_data_sheet(text: str) -> Unit | None:
 
     Beyond `units.spelled` a blank multiplies, or nothing at all (``kg cm2``,
     ``kgcm²``, ``Nm``), round brackets group, everything after the first stroke stands below it
-    (``m/min/mm``), and what turns has units: ``rad``, ``turn``, ``rpm``, ``Hz``, ``lines/turn``.
+    (``m/min/mm``), and what turns has units: ``rad``, ``deg`` or ``°``, ``arcsec``, ``turn``,
+    ``rpm``, ``Hz``, ``lines/turn``.
     """
-    text = text.replace("**", "^")
+    text = text.replace("**", "^").replace("°", "deg")
     signs = _SIGN.findall("1" + text if text.startswith("/") else text)
     try:
         unit = _quotient(signs)

@@ -245,10 +245,16 @@ def test_variants_side_by_side_are_what_differs_then_the_verdict_on_each(command
     assert not Path("a.html").exists()
 
 
-@pytest.mark.parametrize(("which", "text"), [("template", template()), ("example", example())])
-def test_an_axis_file_to_begin_with(command: Command, which: str, text: str) -> None:
-    assert command.passes("design", f"--{which}") == text
-    told = command.passes("design", f"--{which}", "new.toml")
+@pytest.mark.parametrize(
+    ("which", "text"),
+    [
+        (("--template",), template()), (("--template", "--kind", "belt"), template("belt")),
+        (("--template", "--kind", "rotary"), template("rotary")), (("--example",), example()),
+    ],
+)  # fmt: skip
+def test_an_axis_file_to_begin_with(command: Command, which: tuple[str, ...], text: str) -> None:
+    assert command.passes("design", *which) == text
+    told = command.passes("design", *which, "new.toml")
     assert told == "written: new.toml; next: stickslip design new.toml\n"
     assert Path("new.toml").read_text(encoding="utf-8") == text
 

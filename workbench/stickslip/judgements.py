@@ -12,6 +12,7 @@ from stickslip.files import write
 from stickslip.parameters import ParameterError, Parameters, above_zero
 from stickslip.results import Shown
 from stickslip.show.tables import design_summary, of_grid, score_table
+from stickslip_units import turning
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -229,7 +230,8 @@ class Design(Shown):
 
     def table(self) -> RenderableType:
         """Return the summary, for rich."""
-        return design_summary(self.verdict)
+        with turning(self.verdict.axis.turns):
+            return design_summary(self.verdict)
 
     def to_dict(self) -> dict[str, Any]:
         """Return the verdict [SI] as JSON knows it."""
@@ -287,7 +289,12 @@ class Comparison(Shown):
         """Return a column for each axis, the numbers that differ first, for rich."""
         from stickslip_design.report import comparison
 
-        return of_grid(comparison(self.verdicts))
+        with turning(self._turns):
+            return of_grid(comparison(self.verdicts))
+
+    @property
+    def _turns(self) -> bool:
+        return all(found.axis.turns for found in self.verdicts.values())
 
     def to_dict(self) -> dict[str, Any]:
         """Return the verdicts [SI] by axis, as JSON knows them."""
@@ -300,7 +307,8 @@ class Comparison(Shown):
         from stickslip.show.plot import bars
 
         jumps = {name: found.cycle for name, found in self.verdicts.items()}
-        return bars(jumps, (0.0, math.inf), "feed")
+        with turning(self._turns):
+            return bars(jumps, (0.0, math.inf), "feed")
 
 
 def compare(axes: Mapping[str, AxisSource] | Iterable[Path | str]) -> Comparison:
@@ -309,7 +317,7 @@ def compare(axes: Mapping[str, AxisSource] | Iterable[Path | str]) -> Comparison
     Raises
     ------
     AxisError, ValueError
-        If an axis cannot be read, in one line; if there is but one.
+        If an axis cannot be read, in one line; if there is but one, or a slide beside a table.
     """
     from stickslip_design.axis import axis_file_of, read_axis_file
     from stickslip_design.study import design as designed
@@ -321,4 +329,7 @@ def compare(axes: Mapping[str, AxisSource] | Iterable[Path | str]) -> Comparison
         name: axis_file_of(axis, name) if isinstance(axis, Mapping) else read_axis_file(axis)
         for name, axis in named.items()
     }
-    return Comparison({name: designed(file) for name, file in files.items()})
+    found = {name: designed(file) for name, file in files.items()}
+    if len({each.axis.turns for each in found.values()}) > 1:
+        raise ValueError("a rotary table and a slide have no units in common: compare each kind")
+    return Comparison(found)

@@ -56,6 +56,8 @@ def start_values(
     drive = axis.drive
     if drive is None or not axis.friction.constant or axis.load or axis.along:
         raise ValueError("the FMUs have a drive, constant coefficients of friction, and no load")
+    if axis.turns:
+        raise ValueError("the FMUs are of a slide, in m and N: a rotary table has none")
     filters = {each.kind.replace(" ", "_"): each for each in drive.filters}
     if len(filters) < len(drive.filters):
         raise ValueError("ServoDrive.fmu has one low pass and one notch at most")

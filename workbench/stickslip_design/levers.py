@@ -75,9 +75,10 @@ def levers(axis: Axis) -> Iterator[Lever]:
     def static(value: float) -> Axis:
         return replace(axis, friction=replace(friction, mu_s=value / normal if newtons else value))
 
+    mass = "inertia" if axis.turns else "mass"
     # The static friction of a measured curve is bound to its first point.
     if not friction.is_curve:
-        number, unit = ("F_s", "N") if newtons else ("mu_s", "1")
+        number, unit = ("T_s" if axis.turns else "F_s", "N") if newtons else ("mu_s", "1")
         now, least = (axis.F_s, axis.F_k) if newtons else (friction.mu_s, friction.mu_k)
         yield Lever(
             "smaller gap", number, unit, False, now, static, "kinetic friction", least,
@@ -88,7 +89,7 @@ def levers(axis: Axis) -> Iterator[Lever]:
         farthest=_STIFFER, end=f"{_STIFFER:g} times the stiffness",
     )  # fmt: skip
     lighter = Lever(
-        "lighter", "mass", "kg", False, axis.m, lambda m: with_number(axis, "axis.mass", m),
+        "lighter", mass, "kg", False, axis.m, lambda m: with_number(axis, "axis.mass", m),
         "c, load and friction" if newtons else "c and load",
         farthest=_LIGHTER, end="20 % less mass",
     )  # fmt: skip

@@ -32,6 +32,7 @@ from .verdict import (
     Verdict,
     best,
     feed_in_words,
+    in_its_units,
     in_words,
     judder,
     margin_of,
@@ -132,6 +133,7 @@ def _measures(
     return measures(axis, points, found | ({"hunting.dead_band": rest.dead_band} if rest else {}))
 
 
+@in_its_units
 def _cures(axis: Axis, points: Sequence[OperatingPoint]) -> tuple[AxisCure, ...]:
     """Return how far one number must go to make the slowest feed that judders even."""
     point = judder(points)

@@ -6,12 +6,13 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Final, Literal, NamedTuple, get_args
+from functools import wraps
+from typing import Concatenate, Final, Literal, NamedTuple, ParamSpec, TypeVar, get_args
 
 from stickslip_ref import EVEN, CriticalVelocity, Interval, Regime, merged
-from stickslip_units import EXACT, number, per_minute, shown_in, told
+from stickslip_units import EXACT, number, shown_in, told, turning
 
 from .axis import Axis
 from .loop.critical import Record
@@ -223,17 +224,35 @@ def margin_of(limits: CriticalVelocity, feed: float) -> float:
     return min([*below, *above], default=math.inf)
 
 
+_P = ParamSpec("_P")
+_T = TypeVar("_T")
+_Judged = TypeVar("_Judged", Axis, Verdict)
+
+
+def in_its_units(
+    say: Callable[Concatenate[_Judged, _P], _T],
+) -> Callable[Concatenate[_Judged, _P], _T]:
+    """Let a function on an axis or a verdict show numbers in its units: of a rotary table in °."""
+
+    @wraps(say)
+    def said(judged: _Judged, /, *args: _P.args, **named: _P.kwargs) -> _T:
+        axis = judged.axis if isinstance(judged, Verdict) else judged
+        with turning(axis.turns):
+            return say(judged, *args, **named)
+
+    return said
+
+
 _SLOW: Final = 1e-3
 """Feeds below this are given in mm/min [m/s]."""
 
 
 def feed_in_words(feed: float) -> str:
     """Return a feed [m/s]: in mm/min where it is slow, else in mm/s."""
-    if feed < _SLOW:
-        return f"{per_minute(feed, EXACT)} mm/min"
-    return told(feed, "m/s", EXACT)
+    return told(feed, "m/min" if feed < _SLOW else "m/s", EXACT)
 
 
+@in_its_units
 def in_words(
     axis: Axis,
     limits: CriticalVelocity,
@@ -335,7 +354,7 @@ def _start(axis: Axis, point: OperatingPoint) -> str:
     if point.after_start is not False:
         return ""
     return (
-        f"After a start from rest with {number(axis.demand.acceleration, EXACT)} m/s² it moves "
+        f"After a start from rest with {told(axis.demand.acceleration, 'm/s2', EXACT)} it moves "
         "evenly there, but a shove or a slower start makes it jump."
     )
 

@@ -16,9 +16,12 @@ def design(
     output: Path | None = None,
     json: Path | None = None,
     template: bool = False,
+    kind: str = "",
     example: bool = False,
 ) -> None:
     """Say whether a feed axis judders, and what cures it: a summary, and a report to print."""
+    if kind and not template:
+        raise CommandError("--kind goes with --template: the file of an axis states its own")
     if others and not compare:
         raise CommandError(f"{others[0]}: one axis has a report; --compare sets several in a table")
     if compare and (output is not None or template or example):
@@ -31,10 +34,14 @@ def design(
                 "--template and --example study no axis: without -o and --json; the file to write "
                 "is named without an option"
             )
+        from stickslip_design.axis import TEMPLATES
         from stickslip_design.axis import example as example_text
         from stickslip_design.axis import template as template_text
 
-        text, option = (example_text(), "--example") if example else (template_text(), "--template")
+        if kind not in {"", *TEMPLATES}:
+            raise CommandError(f"--kind {kind}: there are {', '.join(TEMPLATES)}")
+        text = example_text() if example else template_text(kind or "screw")
+        option = "--example" if example else "--template"
         hand_out(text, axis, option, f"; next: stickslip design {axis}")
         return
     if axis is None:

@@ -6,6 +6,7 @@ from .model import Demand as Demand
 from .model import Drive as Drive
 from .model import Filter as Filter
 from .model import Friction as Friction
+from .read import TEMPLATES as TEMPLATES
 from .read import AxisFile as AxisFile
 from .read import AxisSource as AxisSource
 from .read import axis_file_of as axis_file_of

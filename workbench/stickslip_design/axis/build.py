@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import math
 import re
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from difflib import get_close_matches
 from pathlib import Path
 from typing import Any, Final, NamedTuple
@@ -16,7 +16,8 @@ from stickslip_ref import Shape, friction_law
 from stickslip_units import QuantityError, parts_of
 
 from .curve_file import Curve, CurveError, read_curve
-from .keys import BY_SECTION, SECTIONS, UNITS, Key, key_of
+from .keys import BY_SECTION, SECTIONS, UNITS, Key, key_of, place
+from .kinds import stiffnesses, way
 from .model import Assumed, Axis, AxisError, Demand, Drive, Filter, Friction
 
 
@@ -62,9 +63,8 @@ def _value(key: Key, path: str, written: Any) -> Value:
         return _number(key, path, written)
     if not isinstance(written, str) or not written.strip():
         raise key.refusal(path, "is not a text", shown)
-    if path == "drive.kind" and written.lower() in {"linear motor", "rack"}:
-        remedy = 'with kind = "rigid" the axis is judged without its loop'
-        raise key.refusal(path, "is not computed yet", shown, remedy)
+    if written.lower() in key.refused:
+        raise AxisError(key.refused[written.lower()], key=path, value=shown)
     if key.choices and written not in key.choices:
         for near in get_close_matches(written.lower(), key.choices, 1, 0.5):
             remedy = f'"{near}" is the nearest'
@@ -127,7 +127,9 @@ class Builder:
     ) -> None:
         self._name, self._sections, self._folder, self._stated = name, sections, folder, values
         self._keys = {re.sub(r"\[\d+\]$", "", path) for path in values}
-        self._is_servo = "drive" in sections and values.get("drive.kind") != "rigid"
+        self._kind = str(values.get("drive.kind", "screw")) if "drive" in sections else "rigid"
+        self._is_servo, self._turns = self._kind != "rigid", self._kind == "rotary"
+        self._symbol = "T" if self._turns else "F"
         by_default = "stribeck" if "friction.curve" in values else "coulomb"
         self._law = str(values.get("friction.law", by_default))
         # What is stated, and defaults.
@@ -141,10 +143,12 @@ class Builder:
         ± of two numbers may overlap.
         """
         self._complete()
-        stiffness = [self._number(path) for path in self._paths("axis.stiffness")]
+        stiffness = self._stiffness()
         if len(stiffness) == 1:
-            self._assume("axis.stiffness", "the same along the screw", "one value is stated")
+            self._assume("axis.stiffness", "the same along the travel", "one value is stated")
         numbers = self._fields("axis") | {"k": _least(*stiffness)}
+        if self._turns:
+            numbers |= self._pressed(numbers["m"])
         if "axis.zeta" in self._values:
             critical = 2.0 * self._number("axis.zeta")
             numbers["c"] = critical * _plain(np.sqrt(numbers["k"] * numbers["m"]))
@@ -153,6 +157,7 @@ class Builder:
         holds = np.atleast_1d((normal > 0.0) & (normal < math.inf))
         if not holds.all():
             lifted = float(np.broadcast_to(weight, holds.shape)[int(np.argmin(holds))])
+            lifted /= self._number("friction.radius") if "friction.radius" in self._values else 1.0
             raise AxisError(
                 f"lifts the table off its guideway: mass times gravity is {lifted:.6g} N",
                 key="axis.load",
@@ -176,11 +181,34 @@ class Builder:
         # The ± of a number may lead beyond.
         if not capped:
             for name, now in axis.beyond_limits():
-                (key,) = (key for key in BY_SECTION["limits"].values() if key.symbol == name)
+                (key,) = (key for key in self._keys_of("limits") if key.symbol == name)
                 present = f"the present value, {now:.6g} {key.units[0]}"
                 reason = f"excludes {present}" if now == now else "limits a rigid drive"
                 raise AxisError(reason, key=key.path, remedy="correct it, or leave it out")
         return axis
+
+    def _stiffness(self) -> list[float]:
+        """Return the stiffness that is stated, or that of screw or belt at places of the travel."""
+        stated = [self._number(path) for path in self._paths("axis.stiffness")]
+        name = "drive.strand" if self._kind == "belt" else "drive.free_length"
+        lengths = [self._number(path) for path in self._paths(name)]
+        return stated or stiffnesses(self._of_drive(), lengths, name)
+
+    def _of_drive(self) -> dict[str, float]:
+        """Return the numbers of the drive by the names of their keys."""
+        numbers = ((each, self._values[each]) for each in self._values if each[:6] == "drive.")
+        return {path[6:]: each.value for path, each in numbers if isinstance(each, Number)}
+
+    def _pressed(self, inertia: float) -> dict[str, float]:
+        """Return g and load of a table that turns, as m g + load is what mu_s is a part of [N.m].
+
+        Where torques are stated that is 1 N m.
+        """
+        if "friction.radius" not in self._values:
+            return {"g": 1.0 / inertia, "load": 0.0}
+        radius, mass = self._number("friction.radius"), self._number("axis.mass")
+        gravity, load = self._number("axis.gravity"), self._number("axis.load")
+        return {"g": mass * gravity * radius / inertia, "load": load * radius}
 
     def _friction(self, normal: float, *, capped: bool) -> Friction:
         """Return the friction under a normal force [N]."""
@@ -198,21 +226,22 @@ class Builder:
         assert mu_k is not None
         above = mu_k > mu_s
         if not capped and curve is None and above:
-            stated = "mu_k" if "friction.mu_k" in self._values else "F_k"
-            most = f"{mu_s:g}" if stated == "mu_k" else f"{mu_s * normal:.6g} N at the slide"
+            stated = "mu_k" if "friction.mu_k" in self._values else f"{self._symbol}_k"
+            unit = "N m at the table" if self._turns else "N at the slide"
+            most = f"{mu_s:g}" if stated == "mu_k" else f"{mu_s * normal:.6g} {unit}"
             raise AxisError(
                 "is above static friction", key=f"friction.{stated}", within=f"at most {most}",
                 remedy="exchange the two if they are mixed up",
             )  # fmt: skip
         return Friction(
             mu_s=mu_s, mu_k=_least(mu_k, mu_s), law=self._law, own=own,
-            in_newtons="friction.F_s" in self._values, capped=above,
+            in_newtons=f"friction.{self._symbol}_s" in self._values, capped=above,
         )  # fmt: skip
 
     def _coefficient(self, which: str, normal: float) -> float | None:
         if f"friction.mu_{which}" in self._values:
             return self._number(f"friction.mu_{which}")
-        force = f"friction.F_{which}"
+        force = f"friction.{self._symbol}_{which}"
         return self._at_slide(force) / normal if force in self._values else None
 
     def _own(self) -> dict[str, float]:
@@ -238,7 +267,7 @@ class Builder:
     def _drive(self) -> Drive | None:
         if not self._is_servo:
             return None
-        numbers = self._fields("drive")
+        numbers = self._fields("drive") | {"pitch": self._way("drive"), "kind": self._kind}
         if "bandwidth" not in numbers:
             numbers["bandwidth"] = self._at_slide("drive.velocity_gain") / numbers["inertia"]
         numbers.setdefault("T_n", 4.0 / numbers["bandwidth"])
@@ -286,7 +315,7 @@ class Builder:
 
     def _limits(self) -> Iterator[tuple[str, tuple[float, float]]]:
         """Yield what the section of limits states."""
-        for key in BY_SECTION["limits"].values():
+        for key in self._keys_of("limits"):
             ends = [self._number(path) for path in self._paths(key.path) if key.units]
             if len(ends) == 1 or ends != sorted(ends):
                 within = "two values, the lowest and the highest"
@@ -298,31 +327,43 @@ class Builder:
         """Return the numbers of a section that are stated or have a default, by symbol."""
         return {
             key.symbol: self._at_slide(path)
-            for key in BY_SECTION[section].values()
+            for key in self._keys_of(section)
             if key.symbol and isinstance(self._values.get(path := key.path), Number)
         }
 
     def _at_slide(self, path: str) -> float:
         """Return a number, of what is stated at the motor as it is seen at the slide."""
         value, unit, _ = self._stated_number(path)
-        if unit in {key_of(path).units[0], "1/s"}:
-            return value
+        usual = key_of(path, self._kind).units[0]
+        # Of a table that turns both sides of the gear have torques: the drive's are at the motor.
+        at_motor = unit != usual or (self._turns and path.startswith("drive."))
         if unit == "1/turn":
-            return self._needed("drive.pitch", path) / value
-        if unit == "1":
+            return self._way(path) / value
+        if unit == "1" != usual:
             # Not in place: the value may be an array, which is the caller's.
             value = value * self._needed("drive.rated_torque", path)
-        per_metre = 2.0 * math.pi / self._needed("drive.pitch", path)
+        elif not (at_motor and unit in _AT_MOTOR):
+            return value
+        per_metre = 2.0 * math.pi / self._way(path)
         for _ in range(_AT_MOTOR.get(unit, 1)):
             value = value * per_metre
         if not np.all(np.isfinite(value)):
             raise AxisError("is larger than a double can hold at the slide", key=path)
         return value
 
+    def _way(self, by: str) -> float:
+        """Return the way of the table in a turn of the motor [m; rad]."""
+        found = way(self._kind, self._of_drive())
+        return self._needed("drive.pitch", by) if found is None else found
+
     def _needed(self, path: str, by: str) -> float:
         if path not in self._values:
             raise key_of(path).refusal(path, f"is missing; {by} is stated in terms of it")
         return self._number(path)
+
+    def _keys_of(self, section: str) -> list[Key]:
+        """Return the keys of a section, as they are with the kind of drive."""
+        return [key.of(self._kind) for key in BY_SECTION[section].values()]
 
     def _stated_number(self, path: str) -> Number:
         number = self._values[path]
@@ -346,7 +387,7 @@ class Builder:
         """Take what is not stated; raises AxisError where it must be, or must not."""
         for section in SECTIONS.values():
             tables = [each for each in self._sections if each.partition("[")[0] == section.name]
-            keys: Iterable[Key] = BY_SECTION[section.name].values()
+            keys = self._keys_of(section.name)
             if section.name == "drive" and tables and not self._is_servo:
                 self._assume("drive", section.otherwise, 'drive.kind is "rigid"')
                 keys = [key for key in keys if key.name in {"pitch", "rated_torque"}]
@@ -356,14 +397,19 @@ class Builder:
             elif not tables and (self._is_servo or not section.is_array):
                 self._assume(section.name, section.otherwise, section.reason)
             for table in tables:
-                for key in keys:
+                # What must not be stated comes before what is missing.
+                for key in sorted(keys, key=lambda each: f"{table}.{each.name}" not in self._keys):
                     self._complete_key(table, key)
 
     def _complete_key(self, table: str, key: Key) -> None:
         path = f"{table}.{key.name}"
         goes = self._goes(key, table)
-        beside = [each for each in key.excludes if f"{table}.{each}" in self._keys]
-        others = [each for each in key.unless if f"{table}.{each}" in self._keys]
+        excludes, unless = (
+            [each for each in names if key_of(place(table, each), self._kind).fits(self._kind)]
+            for names in (key.excludes, key.unless)
+        )
+        beside = [each for each in excludes if place(table, each) in self._keys]
+        others = [each for each in unless if place(table, each) in self._keys]
         if path in self._keys:
             if not goes:
                 remedy = f"state {key.needs}, or leave {key.name} out"
@@ -375,7 +421,7 @@ class Builder:
                 )  # fmt: skip
         elif goes and not beside and not others:
             if key.required:
-                instead = f", or {' or '.join(key.unless)} in its place" if key.unless else ""
+                instead = f", or {' or '.join(unless)} in its place" if unless else ""
                 raise key.refusal(path, f"is missing{instead}")
             if key.default:
                 self._values |= values_of(key, path, json.loads(key.default))
@@ -385,10 +431,11 @@ class Builder:
     def _goes(self, key: Key, table: str) -> bool:
         """Return whether a key has what it goes with."""
         name, *texts = key.goes_with or ("",)
-        path = f"{table}.{name}"
+        path = place(table, name)
         if not texts:
             return not name or path in self._keys
-        return (self._law if path == "friction.law" else self._text(path)) in texts
+        chosen = {"friction.law": self._law, "drive.kind": self._kind}
+        return chosen.get(path, self._text(path)) in texts
 
 
 def _least(first: Any, *others: Any) -> Any:

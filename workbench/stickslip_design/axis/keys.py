@@ -10,7 +10,7 @@ import math
 import re
 import tomllib
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, Final
 
@@ -25,12 +25,23 @@ _OF_DRIVES: Final = (
     Kind("a damping at the motor", "N.m.s/rad", "2 mN m s/rad"),
     Kind("a damping at the motor", "N.m.s", "2 mN m s"),
     Kind("a rate", "1/s", "25 1/s"),
-    Kind("an angular frequency", "rad/s", "300 rad/s"),
+    Kind("an angular frequency or speed", "rad/s", "300 rad/s"),
     Kind("a frequency", "Hz", "400 Hz"),
     Kind("counts per turn", "1/turn", "1000000 counts/turn"),
+    Kind("a modulus of elasticity", "N/m2", "206 kN/mm2"),
+    Kind("an angle", "rad", "0.1 deg"),
+    Kind("an angular acceleration", "rad/s2", "20 deg/s2"),
+    Kind("a torsional stiffness", "N.m/rad", "4 MN m/rad"),
 )
 UNITS: Final = Units(on_data_sheet, KINDS | {kind.unit: kind for kind in _OF_DRIVES})
 """How quantities are written in an axis file."""
+
+
+TURNING: Final = {
+    "m": "rad", "m/s": "rad/s", "m/s2": "rad/s2", "kg": "kg.m2", "N": "N.m", "N/m": "N.m/rad",
+    "N.s/m": "N.m.s/rad",
+}  # fmt: skip
+"""The SI unit in which a rotary table has what a slide has in another."""
 
 
 @dataclass(frozen=True)
@@ -115,13 +126,28 @@ class Key:
     optional: bool = False
     """Whether it may be left out though nothing is taken in its place."""
     unless: tuple[str, ...] = ()
-    """Keys of its section that may stand in its place."""
+    """Keys that may stand in its place; those of another section with its name."""
     excludes: tuple[str, ...] = ()
-    """Keys of its section that must not stand beside it."""
+    """Keys that must not stand beside it, as `unless`."""
     goes_with: tuple[str, ...] = ()
-    """A key of its section and the texts of it, one of which it needs; no text: any value."""
+    """A key, as `unless`, and the texts of it, one of which it needs; no text: any value."""
     in_example: bool = False
-    """Whether the axis of docs/feed-axis.md states it."""
+    """Whether the axis of docs/feed-axis.md states it, and the template of another drive."""
+    refused: Mapping[str, str] = field(default_factory=dict)
+    """Texts that are no choice, and why, in words."""
+    by_kind: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
+    """Fields that are others with a kind of drive, by that."""
+
+    def of(self, kind: str) -> Key:
+        """Return the key as it is with a kind of drive."""
+        return replace(self, **self.by_kind[kind]) if kind in self.by_kind else self
+
+    def fits(self, kind: str) -> bool:
+        """Return whether it may be stated with a kind of drive."""
+        name, *kinds = self.goes_with or ("",)
+        if name == "drive.kind":
+            return kind in kinds
+        return not name or key_of(place(self.section, name), kind).fits(kind)
 
     @property
     def path(self) -> str:
@@ -171,7 +197,7 @@ class Key:
     def needs(self) -> str:
         """What it goes with, as it stands in a file."""
         name, *texts = self.goes_with
-        return " = ".join((name, *(f'"{text}"' for text in texts)))
+        return " = ".join(filter(None, (name, " or ".join(f'"{text}"' for text in texts))))
 
     @property
     def taken(self) -> str:
@@ -179,16 +205,20 @@ class Key:
         return self.default.strip('"') or self.otherwise
 
 
+_OTHER_KINDS: Final[tuple[str, ...]] = ("belt", "rotary")
 _RANGES: Final = {str(each): each for each in (ANY, ABOVE, LEAST, PART)}
 
 
 def _key(path: str, row: Mapping[str, Any]) -> Key:
     section, _, name = path.rpartition(".")
-    stated: dict[str, Any] = {
-        field: tuple(v) if isinstance(v, list) else v for field, v in row.items()
-    }
+    stated = _fields(row)
+    kinds = {kind: _fields(stated.pop(kind)) for kind in _OTHER_KINDS if kind in stated}
     stated["within"] = _RANGES[row.get("within", str(ANY))]
-    return Key(section, name, **stated | _from_code(path, row))
+    return Key(section, name, **stated | _from_code(path, row), by_kind=kinds)
+
+
+def _fields(row: Mapping[str, Any]) -> dict[str, Any]:
+    return {name: tuple(v) if isinstance(v, list) else v for name, v in row.items()}
 
 
 def _from_code(path: str, row: Mapping[str, Any]) -> dict[str, Any]:
@@ -217,6 +247,11 @@ BY_SECTION: Final = {
 }
 
 
-def key_of(path: str) -> Key:
+def place(table: str, name: str) -> str:
+    """Return the path of a key in a table, or of one that is named with its section."""
+    return name if "." in name else f"{table}.{name}"
+
+
+def key_of(path: str, kind: str = "screw") -> Key:
     """Return the key of a name in a file, such as ``drive.filter[1].frequency``."""
-    return KEYS[re.sub(r"\[\d+\]", "", path)]
+    return KEYS[re.sub(r"\[\d+\]", "", path)].of(kind)

@@ -122,7 +122,7 @@ class Friction:
 
 @dataclass(frozen=True, kw_only=True)
 class Drive:
-    """A servo drive with a screw; SI, forces and positions at the slide."""
+    """A servo drive; SI, forces and positions at the slide."""
 
     inertia: float
     """Inertia of motor, coupling and screw, seen at the slide [kg]: J (2 pi/pitch)^2."""
@@ -160,6 +160,8 @@ class Drive:
     """Count of the scale [m]; 0: exact."""
     pitch: float = 0.01
     """Way of the slide per turn of the motor [m]."""
+    kind: str = "screw"
+    """What is between motor and table: "screw", "belt" or "rotary"."""
 
     @property
     def K_p(self) -> float:  # noqa: N802 - the symbol of control engineers
@@ -194,7 +196,7 @@ class Assumed(NamedTuple):
 
 @dataclass(frozen=True, kw_only=True)
 class Axis:
-    """A feed axis; SI."""
+    """A feed axis; SI. Of a rotary table rad stands for m, N m for N and kg m2 for kg."""
 
     name: str
     """How it is called."""
@@ -230,8 +232,21 @@ class Axis:
     """Measures that cannot be taken, by name."""
 
     @property
+    def kind(self) -> str:
+        """What is between motor and table: "rigid", or as of `Drive`."""
+        return self.drive.kind if self.drive else "rigid"
+
+    @property
+    def turns(self) -> bool:
+        """Whether it is a rotary table."""
+        return self.kind == "rotary"
+
+    @property
     def normal_force(self) -> float:
-        """Force that presses the table on its way [N]."""
+        """Force that presses the table on its way [N].
+
+        Of a rotary table times the radius of its friction [N.m]; 1 N m where torques were stated.
+        """
         return self.m * self.g + self.load
 
     @property

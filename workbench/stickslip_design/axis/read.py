@@ -77,6 +77,12 @@ class AxisFile:
             error.value = self._written.get(error.key, "")
             raise
 
+    def refuse_turning(self, study: str) -> None:
+        """Raise AxisError if it states a rotary table, whose units a study does not show."""
+        if self.values.get("drive.kind") == "rotary":
+            reason = f"is not for {study}, which is in mm and N; stickslip design judges the table"
+            raise AxisError(reason, "drive.kind", '"rotary"', name=self.name)
+
     def changed(self, numbers: Mapping[str, FloatOrArray]) -> AxisFile:
         """Return the file with other numbers; what else it states is held.
 
@@ -138,13 +144,16 @@ def axis_file_of(
     values: dict[str, Value] = {}
     written: dict[str, str] = {}
     sections: list[str] = []
+    drive, kind = data.get("drive"), "drive.kind"
     try:
+        if isinstance(drive, Mapping) and "kind" in drive:
+            values |= values_of(key_of(kind), kind, drive["kind"])
         for path, value in _stated(data, ""):
             if value is None:
                 sections.append(path)
             else:
                 written[path] = as_written(value)
-                values |= values_of(key_of(path), path, value)
+                values |= values_of(key_of(path, str(values.get(kind))), path, value)
     except AxisError as error:
         error.name, error.line = name, _line_of(text, error.key)
         raise
@@ -241,16 +250,26 @@ _HOW: Final = (
 )
 
 
-def template() -> str:
-    """Return an axis file with all keys; those that may be left out are commented out."""
+TEMPLATES: Final = ("screw", "belt", "rotary")
+"""The kinds of drive that have a template."""
+
+
+def template(kind: str = "screw") -> str:
+    """Return an axis file with all keys of a kind of drive, of `TEMPLATES`.
+
+    Those that may be left out are commented out.
+    """
     lines = _comment(_HEAD + _HOW)
     for section in SECTIONS.values():
         mark = "# " if section.is_array else ""
         without = f" Without it: {section.otherwise}." if section.otherwise else ""
         lines += ["", *_comment(section.meaning + without), f"{mark}{section.header}"]
-        for key in BY_SECTION[section.name].values():
+        for key in _fitting(section.name, kind):
             # What stands in place of another key would be refused beside it.
-            is_stated = key.required and (key.in_example or not (key.unless or key.goes_with))
+            alone = not (key.unless or key.goes_with)
+            is_stated = key.required and (key.in_example or alone)
+            # Without its kind the file would be of a screw.
+            is_stated |= key.path == "drive.kind" and kind != "screw"
             line = f"{mark if is_stated else '# '}{key.name} = {key.example}"
             lines += [*_comment(told(key)), line]
     return "\n".join((*lines, ""))
@@ -260,10 +279,17 @@ def example() -> str:
     """Return the axis file of the axis of docs/feed-axis.md."""
     lines = _comment(_HEAD)
     for section in SECTIONS.values():
-        keys = [key for key in BY_SECTION[section.name].values() if key.in_example]
+        keys = [key for key in _fitting(section.name, "screw") if key.in_example]
         if keys:
             lines += ["", section.header, *(f"{key.name} = {key.example}" for key in keys)]
     return "\n".join((*lines, ""))
+
+
+def _fitting(section: str, kind: str) -> Iterator[Key]:
+    """Yield the keys of a section that may be stated with a kind of drive, without that need."""
+    for key in (key.of(kind) for key in BY_SECTION[section].values()):
+        if key.fits(kind):
+            yield replace(key, goes_with=()) if key.goes_with[:1] == ("drive.kind",) else key
 
 
 def told(key: Key) -> str:

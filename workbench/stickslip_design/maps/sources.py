@@ -225,6 +225,7 @@ def axis_source(file: AxisFile, over: Sequence[Dimension], feed: float | None) -
     corner of the map.
     """
     names = [each.name for each in over if each.name != FEED]
+    file.refuse_turning("a map")
     feeds = next((len(each.values) for each in over if each.name == FEED), 0)
     demanded = (check(file, path).value for path in file.values if path.startswith("demand.feeds"))
     first = next(demanded, None)

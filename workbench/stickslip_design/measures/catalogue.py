@@ -6,7 +6,7 @@ A measure is a list of moves on the keys of the axis file, with conditions on ke
 from __future__ import annotations
 
 import tomllib
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import MISSING, dataclass, fields
 from functools import cache
 from pathlib import Path
@@ -56,6 +56,8 @@ class Condition:
     below: float | None = None
     text: str = ""
     """The text of the key."""
+    none_of: Sequence[str] = ()
+    """Texts of the key with which it does not hold."""
 
 
 @dataclass(frozen=True)

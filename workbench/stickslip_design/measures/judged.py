@@ -266,8 +266,11 @@ def _estimate(axis: Axis) -> float:
 def _changes(before: Axis, after: Axis, taken: Sequence[Measure]) -> Iterator[Change]:
     """Yield the numbers that measures change, by the keys of the axis file."""
     for path in dict.fromkeys(move.key for measure in taken for move in measure.moves):
+        if before.turns and before.friction.in_newtons:
+            path = path.replace(".mu_", ".F_")
         now, then, key = number_of(before, path), number_of(after, path), KEYS[path]
         if isinstance(now, tuple):
             now, then = min(now), min(then)
         if now != then:
-            yield Change(path, key.units[0] if key.units else "", now, then)
+            name = path.replace(".F_", ".T_") if before.turns else path
+            yield Change(name, key.units[0] if key.units else "", now, then)

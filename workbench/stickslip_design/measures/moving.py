@@ -25,6 +25,7 @@ def number_of(axis: Axis, key: str) -> Any:
         "axis.zeta": axis.c / (2.0 * math.sqrt(axis.k * axis.m)),
         "friction.F_s": axis.F_s,
         "friction.F_k": axis.F_k,
+        "drive.kind": axis.kind,
         "drive.position": axis.drive and ("table" if axis.drive.on_table else "motor"),
     }
     if key in special:
@@ -77,6 +78,8 @@ def _holds(condition: Condition, axis: Axis) -> bool:
     # Forces of the friction are what was stated, or computed of the coefficients.
     if condition.key in _FORCES and not axis.friction.in_newtons:
         return False
+    if condition.none_of:
+        return now not in condition.none_of
     if now is None or condition.text:
         return now is not None and now == condition.text
     low = -math.inf if condition.above is None else condition.above

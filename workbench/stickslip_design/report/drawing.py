@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 
 from stickslip_verification.report.svg import BLUE, INK, SOFT, STYLE
 
-from ..verdict import Verdict, feed_in_words, judder
+from ..verdict import Verdict, feed_in_words, in_its_units, judder
 from .plots import LETTERS, NARROW
 from .tables import numbers
 
@@ -30,11 +30,13 @@ _PULLED_END: Final = [62.0, 62.0], [52.0, 88.0]
 _LINE: Final[Any] = {"color": INK, "lw": 1.3, "solid_capstyle": "round"}
 
 
+@in_its_units
 def sketch(verdict: Verdict) -> Figure:
     """Draw the axis with its numbers, and the slowest feed that judders, else that was asked for.
 
     A rigid drive is an end of the spring that is pulled.
     """
+    fold = "\n" if verdict.axis.turns else " "
     axis, shown = verdict.axis, {name: value for name, value, _ in numbers(verdict.axis).rows}
     point = judder(verdict.points) or next(iter(verdict.points), None)
     with mpl.rc_context(STYLE):
@@ -44,7 +46,8 @@ def sketch(verdict: Verdict) -> Figure:
         for line in (_WAY, _SPRING, _DAMPER):
             on.plot(*line, **_LINE)
         on.fill_between(_WAY[0], 38.0, 44.0, lw=0.0, hatch="////", fc="w", ec=SOFT)
-        _box(on, 116.0, 180.0, 44.0, 96.0, f"table\n{shown.get('axis.mass', '')}")
+        mass = shown.get("axis.inertia" if axis.turns else "axis.mass", "")
+        _box(on, 116.0, 180.0, 44.0, 96.0, f"table\n{mass}")
         if axis.drive is None:
             on.plot(*_PULLED_END, **_LINE | {"lw": 4.0})
             on.text(34.0, 70.0, "rigid\ndrive", ha="center", va="center", fontsize=LETTERS)
@@ -55,12 +58,13 @@ def sketch(verdict: Verdict) -> Figure:
         on.annotate("", (tail + 40.0, 108.0), (tail, 108.0), arrowprops=look)
         law = "" if axis.friction.law == "coulomb" else f" ({axis.friction.law})"
         static, kinetic = (shown.get(f"friction.mu_{which}", "–") for which in "sk")
+        law += "" if axis.turns else f": static {static}, kinetic {kinetic}"
         (forces,) = (value for name, value in shown.items() if name.startswith("break-away"))
         for x, y, text in (
             (tail + 74.0, 105.0, feed_in_words(point.feed) if point else ""),
-            (89.0, 81.0, shown.get("axis.stiffness", "")),
-            (210.0, 81.0, shown.get("axis.c", "")),
-            (126.0, 20.0, f"friction{law}: static {static}, kinetic {kinetic}"),
+            (89.0, 81.0, shown.get("axis.stiffness", "").replace(" ", fold)),
+            (210.0, 81.0, shown.get("axis.c", "").replace(" ", fold)),
+            (126.0, 20.0, f"friction{law}"),
             (126.0, 6.0, f"breaks away at {forces.replace(', ', ', slides at ')}"),
         ):
             on.text(x, y, text, ha="center", fontsize=LETTERS)

@@ -17,9 +17,9 @@ from stickslip_fmu.release import VERSION
 from stickslip_verification.report.files import environment, text_of
 from stickslip_verification.report.svg import STYLE, as_part
 
-from ..axis.keys import KEYS
+from ..axis.keys import KEYS, TURNING
 from ..loop.stability import Swing
-from ..verdict import OperatingPoint, Verdict
+from ..verdict import OperatingPoint, Verdict, in_its_units
 from . import plots, tables
 from .drawing import sketch
 from .tables import standing
@@ -27,6 +27,7 @@ from .tables import standing
 _TEMPLATES: Final = Path(__file__).parent / "templates"
 
 
+@in_its_units
 def html(verdict: Verdict) -> str:
     """Return a verdict as a page: at most four on paper (A4), the first for a meeting.
 
@@ -106,13 +107,19 @@ def data(verdict: Verdict) -> dict[str, Any]:
     ``units`` by key. Infinity is the text ``"Infinity"``, what is not a number null. A complex
     gain is two lists, ``real`` and ``imag``.
     """
+    turned = TURNING if verdict.axis.turns else {}
     found: dict[str, Any] = plain(verdict)
+    for each in (*found["cures"], *(c for one in found["measures"] for c in one["changes"])):
+        each["unit"] = turned.get(each["unit"], each["unit"])
     found["axis"] |= plain({"F_s": verdict.axis.F_s, "F_k": verdict.axis.F_k})
     return {
         "format": FORMAT,
         "version": VERSION,
         "about": ABOUT,
-        "units": dict(UNITS),
+        "units": {
+            key: "; ".join(turned.get(part, part) for part in unit.split("; "))
+            for key, unit in UNITS.items()
+        },
         "standing": standing(verdict).word,
         **found,
     }

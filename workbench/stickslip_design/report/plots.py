@@ -21,11 +21,11 @@ from matplotlib.ticker import (
     NullLocator,
 )
 
-from stickslip_units import EXACT, number, shown_in
+from stickslip_units import EXACT, number, scale_of, shown_in
 from stickslip_verification.report.svg import BLUE, INK, ORANGE, STYLE
 
 from ..loop.stability import Cut, Response
-from ..verdict import Verdict
+from ..verdict import Verdict, in_its_units
 from .tables import CUTS, MOTIONS, Motion, Range, motions
 
 WIDE: Final = 7.0
@@ -40,9 +40,8 @@ _FILLS: Final[dict[Motion, tuple[str, str]]] = {
 }
 """Colour and hatch of a motion: told apart with every colour vision, and in grey."""
 
-_MM: Final = 1e3
-_UM: Final = 1e6
-"""A metre in mm and in um; a second in ms."""
+_MS: Final = 1e3
+"""A second in ms."""
 
 LETTERS: Final = 8.5
 _LETTER: Final = 0.58 * LETTERS
@@ -77,21 +76,23 @@ _LOOKS: Final = {True: (BLUE, "-", "table sliding"), False: (ORANGE, (0, (5, 2))
 """Colour, line and name of an open loop, by whether the table slides."""
 
 
+@in_its_units
 def feeds(verdict: Verdict, width: float = WIDE) -> Figure | None:
     """Draw over the feed where the axis jumps, where it depends on the start, where it is even.
 
-    A bar over the feed [mm/s], `width` [in]: above it the feeds that were asked for, below it the
-    limits. None where the loop is unstable, or there is neither a feed nor a limit to draw.
+    A bar over the feed [mm/s; of a rotary table °/s], `width` [in]: above it the feeds that were
+    asked for, below it the limits. None where the loop is unstable, or there is neither a feed nor
+    a limit to draw.
     """
-    found = motions(verdict)
-    asked = [point.feed * _MM for point in verdict.points]
+    found, size = motions(verdict), scale_of("m/s").size
+    asked = [point.feed / size for point in verdict.points]
     named = (("critical", verdict.critical_feed), ("even from rest above", verdict.from_rest))
     limits = [
-        (value * _MM, f"{name} {shown_in(value, 'm/s')}")
+        (value / size, f"{name} {shown_in(value, 'm/s')}")
         for name, value in named
         if value is not None and 0.0 < value < math.inf
     ]
-    spread = [each * _MM for each in verdict.critical_range if 0.0 < each < math.inf]
+    spread = [each / size for each in verdict.critical_range if 0.0 < each < math.inf]
     spread = spread if len(spread) == 2 and spread[0] < spread[1] else []
     places = [*asked, *(at for at, _ in limits), *spread]
     if not found or not places:
@@ -114,7 +115,7 @@ def feeds(verdict: Verdict, width: float = WIDE) -> Figure | None:
         on.set_ylim(-below, _BAR + above)
         _feed_axis(on, low, high)
         for feeds_of in found:
-            begin, end = max(feeds_of.low * _MM, low), min(feeds_of.high * _MM, high)
+            begin, end = max(feeds_of.low / size, low), min(feeds_of.high / size, high)
             if end > begin:
                 on.fill_between([begin, end], 0.0, _BAR, **_look(feeds_of.motion))
         if spread:
@@ -136,15 +137,17 @@ def feeds(verdict: Verdict, width: float = WIDE) -> Figure | None:
     return page
 
 
+@in_its_units
 def motion(verdict: Verdict, which: Literal["before", "after"]) -> Figure | None:
     """Draw x - v t after a break-away at the slowest feed that judders: as it is, or cured.
 
-    How far the table is ahead of an even motion [um] over the time [ms]; both pictures have the
+    How far the table is ahead of an even motion [um; °] over the time [ms]; both pictures have the
     same scales. None where nothing judders, or no measure is enough.
     """
+    scale = scale_of("m")
     records = {"before": verdict.before, "after": verdict.after}
     ways = {
-        name: (_MM * record.time, _UM * (record.ahead - record.ahead[_SETTLED].mean()))
+        name: (_MS * record.time, (record.ahead - record.ahead[_SETTLED].mean()) / scale.size)
         for name, record in records.items()
         if record is not None and np.isfinite(record.ahead).all()
     }
@@ -156,11 +159,11 @@ def motion(verdict: Verdict, which: Literal["before", "after"]) -> Figure | None
     most = _ROOM * max(float(np.abs(way).max()) for _, way in ways.values())
     with mpl.rc_context(STYLE):
         page = Figure(figsize=(NARROW, _MOTION / 72.0))
-        left, right = _LEFT / (72.0 * NARROW), _MARGIN / (72.0 * NARROW)
+        left, right = (_LEFT + 12.0) / (72.0 * NARROW), _MARGIN / (72.0 * NARROW)
         low, high = _BOTTOM / _MOTION, (2.0 * _LINE + 4.0) / _MOTION
         on = page.add_axes(
             (left, low, 1.0 - left - right, 1.0 - low - high),
-            xlim=(0.0, float(time[-1])), ylim=(-most, most), ylabel="x − v t  [µm]",
+            xlim=(0.0, float(time[-1])), ylim=(-most, most), ylabel=scale.label("x − v t "),
         )  # fmt: skip
         on.axhline(0.0, color=INK, lw=0.8)
         on.plot(time, ahead, color=ORANGE if which == "before" else BLUE, lw=1.5)
@@ -267,7 +270,7 @@ def _feed_axis(on: Axes, low: float, high: float) -> None:
     on.xaxis.set_minor_formatter(NullFormatter())
     on.set_yticks([])
     on.spines["left"].set_visible(False)
-    on.set_xlabel("feed  [mm/s]", loc="right", labelpad=1.0)
+    on.set_xlabel(scale_of("m/s").label("feed "), loc="right", labelpad=1.0)
 
 
 def _draw(upper: Axes, lower: Axes, found: Response, *, rings: bool) -> None:

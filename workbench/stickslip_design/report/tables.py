@@ -7,7 +7,7 @@ from collections.abc import Iterator, Sequence
 from itertools import pairwise
 from typing import Any, Final, Literal, NamedTuple
 
-from stickslip_units import EXACT, NONE, decibels, number, per_minute, shown_in, told
+from stickslip_units import EXACT, NONE, decibels, number, per_minute, scale_of, shown_in, told
 
 from ..axis import Axis, Filter
 from ..axis.keys import KEYS
@@ -114,7 +114,7 @@ def critical(verdict: Verdict) -> str:
         return f"none: the axis never jumps{swings}"
     if math.isinf(limit):
         return "none: the axis jumps at every feed"
-    text = f"{told(limit, 'm/s')} ({per_minute(limit)} mm/min)"
+    text = f"{told(limit, 'm/s')} ({told(limit, 'm/min')})"
     if len(verdict.cycle) > 1 or any(each.low_end != "none" for each in verdict.cycle):
         text += f"; it jumps {ranges_in_words(verdict.cycle)}"
     text += swings
@@ -130,7 +130,7 @@ def margin(verdict: Verdict) -> str:
         return ""
     least = min(verdict.points, key=lambda point: point.margin)
     which = "the slowest feed" if least is verdict.points[0] else "the feed"
-    at = f"{told(least.feed, 'm/s', EXACT)} ({per_minute(least.feed, EXACT)} mm/min)"
+    at = f"{told(least.feed, 'm/s', EXACT)} ({told(least.feed, 'm/min', EXACT)})"
     return f"{number(least.margin)} at {which}, {at}"
 
 
@@ -151,8 +151,9 @@ def operating_points(verdict: Verdict) -> Grid:
     """Return what the axis does at each feed, exact beside the familiar formulas."""
     return Grid(
         (
-            "feed [mm/s]", "[mm/min]", "margin", "what the axis does",
-            "jump [µm]", "familiar [µm]", "frequency [1/s]", "familiar [1/s]",
+            scale_of("m/s").label("feed"), scale_of("m/min").label(), "margin",
+            "what the axis does", scale_of("m").label("jump"), scale_of("m").label("familiar"),
+            "frequency [1/s]", "familiar [1/s]",
             "settles in [s]", "damping [%]",
         ),
         [
@@ -189,7 +190,7 @@ def critical_feeds(verdict: Verdict) -> Grid:
         ]
     found.append(("familiar formula, rigid drive", verdict.simplified_critical_feed))
     return Grid(
-        ("critical feed", "[mm/s]", "[mm/min]", "against the first"),
+        ("critical feed", *(scale_of(u).label() for u in ("m/s", "m/min")), "against the first"),
         [
             (
                 name,
@@ -384,13 +385,17 @@ def numbers(axis: Axis) -> Grid:
 
 def _numbers(axis: Axis) -> Iterator[tuple[str, str, str]]:
     spread = dict(axis.spread)
-    for key in KEYS.values():
+    for key in (key.of(axis.kind) for key in KEYS.values()):
         part = axis if key.section == "axis" else getattr(axis, key.section, None)
         value: Any = getattr(part, key.symbol, None) if key.symbol and key.units else None
         if value is None or isinstance(value, tuple):
             continue
-        unit, width = key.units[0], spread.pop(key.path, None)
-        yield key.path, told(value, unit, EXACT), "" if width is None else told(width, unit, EXACT)
+        unit = KEYS[key.path].units[0]
+        # The friction of a rotary table are torques; coefficients may stand for them.
+        if not (axis.turns and key.section == "friction"):
+            width = spread.pop(key.path, None)
+            around = "" if width is None else told(width, unit, EXACT)
+            yield key.path, told(value, unit, EXACT), around
         if key.symbol == "k" and axis.stiffest is not None:
             yield "stiffness at the stiffest position", told(axis.stiffest, unit, EXACT), ""
         if key.symbol == "c":
@@ -398,7 +403,8 @@ def _numbers(axis: Axis) -> Iterator[tuple[str, str, str]]:
             yield "damping ratio, drive held fast", f"{number(100.0 * zeta)} %", ""
         if key.symbol == "mu_k":
             forces = f"{told(axis.F_s, 'N', EXACT)}, {told(axis.F_k, 'N', EXACT)}"
-            yield "break-away force, kinetic friction", forces, ""
+            what = "torque" if axis.turns else "force"
+            yield f"break-away {what}, kinetic friction", forces, ""
     law = axis.friction.law
     own = ", ".join(f"{name} = {number(value, EXACT)}" for name, value in axis.friction.own.items())
     yield "friction law", f"{law} ({own}; SI)" if own else law, ""

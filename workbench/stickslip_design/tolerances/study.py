@@ -296,6 +296,7 @@ def question(
 ) -> Question:
     """Return what is asked; arguments and errors as of `scatter`."""
     base = axis.axis()
+    axis.refuse_turning("a scatter")
     varied = varying(axis, dict(vary or {}), spread_is)
     population = Population(axis, varied, dict(correlation or {}), seed)
     closed = has_closed_form(base)
