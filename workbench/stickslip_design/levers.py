@@ -7,8 +7,8 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from typing import Final
 
-from .axis import Axis
-from .loop.critical import critical_feed, damped, judders, jumps_of
+from .axis import Axis, Demand
+from .loop.critical import damped, is_allowed, is_clean, jumps_of
 from .loop.stability import is_stable
 from .measures.moving import with_number
 from .verdict import AxisCure
@@ -122,7 +122,7 @@ def cures(axis: Axis, feed: float, aim: str = END) -> tuple[AxisCure, ...]:
     largest = axis.demand.largest_jump
     if largest is not None and (jumps := jumps_of(axis, feed)) and jumps.way > largest:
         for lever, end in zip(levers(axis), list(found), strict=False):
-            factor = _factor_below(lever, feed, largest, end.effort)
+            factor = _factor_below(lever, feed, end.effort)
             if factor is not None:
                 found.append(lever.cure(factor, BELOW))
     return tuple(sorted(found, key=lambda cure: (cure.then is None, cure.effort)))
@@ -133,15 +133,12 @@ def _end(lever: Lever, feed: float) -> float | None:
     close = _CLOSE_BY_SIDE if lever.at(1.0).drive is None else _CLOSE
 
     def even(factor: float) -> bool:
-        axis = lever.at(factor)
-        # Jumps carried up from slower feeds may exist where a break-away does not end in them.
-        carried = axis.drive is not None and axis.friction.law == "coulomb"
-        return not judders(axis, feed) and not (carried and critical_feed(axis, feed) >= feed)
+        return is_clean(replace(lever.at(factor), demand=Demand(feeds=(feed,))))
 
     return _least(even, lever.farthest, close)
 
 
-def _factor_below(lever: Lever, feed: float, largest: float, end: float) -> float | None:
+def _factor_below(lever: Lever, feed: float, end: float) -> float | None:
     """Return the factor that brings the jump down to the largest allowed.
 
     None where no factor does, or where jumping ends at once from a larger jump.
@@ -149,8 +146,7 @@ def _factor_below(lever: Lever, feed: float, largest: float, end: float) -> floa
 
     def allowed(factor: float) -> bool:
         axis = lever.at(factor)
-        jumps = jumps_of(axis, feed) if is_stable(axis) else None
-        return jumps is not None and jumps.way <= largest
+        return is_stable(axis) and is_allowed(axis, feed)
 
     return _least(allowed, min(end / (1.0 + 2.0 * _CLOSE), lever.farthest), _CLOSE)
 

@@ -22,9 +22,10 @@ from .loop.critical import (
     simplified_critical_feed,
 )
 from .loop.jumps import Limit
-from .loop.rest import Hunting, hunting, limit_from_rest
+from .loop.rest import Hunting, limit_from_rest
 from .loop.stability import Response, gain_limits, is_stable, open_loop, swing
-from .measures.judged import Found, measures
+from .measures.judged import Found, hunting_of, measures
+from .measures.robust import Series
 from .one_thread import one_thread
 from .verdict import (
     AxisCure,
@@ -65,8 +66,9 @@ def design(axis: Axis | AxisFile) -> Verdict:
     critical = limits.highest if stable else math.inf
     start = _from_rest(axis, critical) if stable else None
     points = tuple(_points(axis, limits, start)) if stable else ()
-    rest = _hunting(axis) if stable else None
-    found, left_out = _measures(axis, points, critical, rest) if stable else ((), {})
+    rest = hunting_of(axis) if stable else None
+    series = Series(axis, file)
+    found, left_out = _measures(series, points, critical, rest) if stable else ((), {})
     before, after = _motions(axis, judder(points), found)
     offered = tuple(each.measure for each in found)
     return Verdict(
@@ -84,6 +86,9 @@ def design(axis: Axis | AxisFile) -> Verdict:
         stuck=swing(axis, sliding=False) if loop else None,
         gains=gain_limits(axis) if loop else None,
         points=points,
+        robustness=series.robustness(axis),
+        varied=series.varied,
+        varied_by_default=series.assumed,
         hunting=rest,
         responses=tuple(_responses(axis)) if loop else (),
         measures=offered,
@@ -94,13 +99,6 @@ def design(axis: Axis | AxisFile) -> Verdict:
         sentence=in_words(axis, limits, points, offered, stable=stable),
         unanswered=(*_UNANSWERED, _OF_LOOP) if loop else _UNANSWERED,
     )
-
-
-def _hunting(axis: Axis) -> Hunting | None:
-    if axis.drive is None:
-        return None
-    found = hunting(axis)
-    return None if found is None or found.dead_band <= axis.drive.dead_band else found
 
 
 def _from_rest(axis: Axis, highest: float) -> float | None:
@@ -126,11 +124,11 @@ def _points(axis: Axis, limits: CriticalVelocity, start: float | None) -> Iterat
 
 
 def _measures(
-    axis: Axis, points: Sequence[OperatingPoint], critical: float, rest: Hunting | None
+    series: Series, points: Sequence[OperatingPoint], critical: float, rest: Hunting | None
 ) -> tuple[tuple[Found, ...], dict[str, tuple[str, ...]]]:
     """Return the measures that help, where a feed judders or the axis hunts."""
     found = {"critical_feed": critical} if critical < math.inf else {}
-    return measures(axis, points, found | ({"hunting.dead_band": rest.dead_band} if rest else {}))
+    return measures(series, points, found | ({"hunting.dead_band": rest.dead_band} if rest else {}))
 
 
 @in_its_units

@@ -74,6 +74,16 @@ def _finite(value: float) -> float | None:
     return None if math.isnan(value) else value
 
 
+class Robustness(NamedTuple):
+    """How an axis stands when numbers vary; each value within a ± is as likely as another."""
+
+    clean: int
+    """Machines at which every feed asked for is even, or jumps no more than allowed."""
+    machines: int
+    decides: str | None
+    """The number whose lower and upper half differ most in that; None where none stands out."""
+
+
 class Change(NamedTuple):
     """A number of an axis that a measure changes."""
 
@@ -107,6 +117,8 @@ class AxisMeasure:
     margin: float | None
     """The least margin of the feeds with it [-], as of `OperatingPoint`; None where it is not
     enough, or does not change the axis."""
+    robustness: Robustness | None
+    """How it stands when numbers vary; None as `margin`, and without feeds."""
     hunts: float | None
     """The jump at a target with it [m]; None where it comes to rest, or is not enough."""
     needs: tuple[str, ...]
@@ -176,12 +188,18 @@ class Verdict:
     """Up to which gains the loop is stable; None on a rigid drive."""
     points: tuple[OperatingPoint, ...]
     """The operating points, the slowest feed first."""
+    robustness: Robustness | None
+    """How the axis as it is stands when numbers vary; None without feeds."""
+    varied: Mapping[str, float]
+    """The ± of these numbers, relative [-]: gap of the friction, stiffness, damping, mass."""
+    varied_by_default: tuple[str, ...]
+    """Those of them whose ± the file does not state."""
     hunting: Hunting | None
     """The cycle about a target; None where the axis comes to rest, or on a rigid drive."""
     responses: tuple[Response, ...]
     """Open loops; empty on a rigid drive."""
     measures: tuple[AxisMeasure, ...]
-    """Measures of the catalogue that help, those that are enough first, by effort and margin; two
+    """Measures that help, those that are enough first, by effort, clean machines and margin; two
     together where none is; then those that are not enough. Empty where nothing judders or hunts."""
     left_out: Mapping[str, tuple[str, ...]]
     """The other measures of the catalogue, by the reason why they are not offered."""

@@ -388,6 +388,8 @@ def design_summary(verdict: Verdict) -> RenderableType:
         Text(verdict.sentence),
         Text(f"critical feed: {tables.critical(verdict)}"),
     ]
+    if verdict.robustness is not None:
+        parts.append(Text(f"as it is: {tables.robust(verdict)}"))
     if verdict.stable and verdict.axis.drive is not None:
         parts.append(Text(f"at a target: {tables.hunting(verdict)[0]}"))
     points = tables.operating_points(verdict).of(*range(5))

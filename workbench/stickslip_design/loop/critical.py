@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from contextlib import suppress
 from dataclasses import replace
 from typing import Final, NamedTuple
 
@@ -85,6 +86,25 @@ def judders(axis: Axis, feed: float) -> bool:
     return any(kind != EVEN for kind in jolted(axis, feed))
 
 
+def is_allowed(axis: Axis, feed: float) -> bool:
+    """Return whether the jumps of an axis at a feed [m/s] are no larger than allowed."""
+    largest = axis.demand.largest_jump or 0.0
+    return largest > 0.0 and (jumps := jumps_of(axis, feed)) is not None and jumps.way <= largest
+
+
+def is_clean(axis: Axis) -> bool:
+    """Return whether each feed asked for is even, or its jump allowed; the loop must be stable."""
+    demand, reach = axis.demand, 0.0
+    # RuntimeError: a slip cannot be followed.
+    with suppress(RuntimeError):
+        even = {feed: not judders(axis, feed) for feed in demand.feeds}
+        # Jumps carried up from slower feeds may exist where no start ends in them.
+        if axis.drive is not None and axis.friction.law == "coulomb" and any(even.values()):
+            reach = critical_feed(axis, demand.feeds[-1 if demand.largest_jump else 0])
+        return all((one and feed > reach) or is_allowed(axis, feed) for feed, one in even.items())
+    return False
+
+
 def kind_beside(axis: Axis, feed: float) -> Kind:
     """Return what a servo axis may do beside even motion at a feed [m/s]; "even" if nothing.
 
@@ -98,13 +118,15 @@ def kind_beside(axis: Axis, feed: float) -> Kind:
 
 
 def estimated_critical_feed(axis: Axis) -> float:
-    """Return the quick estimate of the critical feed with a drive [m/s]; docs/theory.md (14).
+    """Return the quick estimate of the critical feed, of constant friction [m/s]; theory.md (14).
 
-    It is that of a rigid drive whose table is damped as the least damped swing of the sliding loop.
+    With a drive the table is damped as the least damped swing of the sliding loop.
     """
-    # From a damping ratio of 1 on nothing jumps; without damping the jumps have no end.
-    damping = min(max(swing(axis).damping, 0.0), 2.0)
-    return float(coulomb_limit(damped(axis, damping).block(1.0)))
+    if axis.drive is not None:
+        plain = replace(axis, friction=replace(axis.friction, law="coulomb", own={}))
+        # From a damping ratio of 1 on nothing jumps; without damping the jumps have no end.
+        axis = damped(axis, min(max(swing(plain).damping, 0.0), 2.0))
+    return float(coulomb_limit(axis.block(1.0)))
 
 
 def simplified_critical_feed(axis: Axis) -> float:

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from difflib import get_close_matches
 from itertools import combinations
 from typing import Final, NamedTuple
@@ -17,20 +17,14 @@ from stickslip_ref import CriticalVelocity, Interval
 
 from ..axis import Axis, AxisError
 from ..axis.keys import KEYS
-from ..loop.critical import (
-    critical_feed,
-    estimated_critical_feed,
-    judders,
-    jumps_of,
-    limits_of,
-    rigid_critical_feed,
-)
-from ..loop.rest import hunting
+from ..loop.critical import critical_feed, estimated_critical_feed, is_allowed, is_clean, limits_of
+from ..loop.rest import Hunting, hunting
 from ..loop.stability import is_stable, unstable_feeds
 from ..one_thread import one_thread
 from ..verdict import EFFORTS, AxisMeasure, Change, OperatingPoint, judder, margin_of
 from .catalogue import Measure, catalogue
 from .moving import applies, number_of, with_measure
+from .robust import Series
 
 _BETTER: Final = 0.95
 """A measure helps if it takes the critical feed below this part."""
@@ -41,8 +35,6 @@ _HOPE: Final = 1.5
 """A pair is judged if the product of what its two do alone comes below this times the feed."""
 _WORSE: Final = 1.15
 """A measure whose estimate rises by this factor is not judged further."""
-_BEYOND: Final = 15.0
-"""How far above its critical feed an axis of constant friction is judged, as of `jump_ranges`."""
 _NO_HELP: Final = "no help"
 
 
@@ -72,24 +64,24 @@ class _Tried:
 
 @one_thread
 def measures(
-    axis: Axis, points: Sequence[OperatingPoint], verdict: Mapping[str, float]
+    series: Series, points: Sequence[OperatingPoint], verdict: Mapping[str, float]
 ) -> tuple[tuple[Found, ...], dict[str, tuple[str, ...]]]:
-    """Return the measures that help an axis, and the names of those that do not, by reason.
+    """Return the measures that help the axis of a series, and the names of the others, by reason.
 
     `points` are its operating points, `verdict` the numbers that a measure may be in terms of, by
     name. Where a feed judders the aim is that none does; else that it does not hunt at a target.
-    First those that are enough, by effort and margin, what changes the task and not the axis last;
-    then those that help and are not enough. Of two together the best pairs are among the first, if
-    nothing less than a rebuild is enough alone.
+    First those that are enough, by effort, share of clean machines and margin, what changes the
+    task and not the axis last; then those that help and are not enough. Of two together the best
+    pairs are among the first, if nothing less than a rebuild is enough alone.
     """
-    unknown = [name for name in axis.without if name not in catalogue()]
+    unknown = [name for name in series.axis.without if name not in catalogue()]
     if unknown:
         near = get_close_matches(unknown[0], catalogue(), 3, 0.3)
         remedy = f"nearest: {', '.join(near)}" if near else "docs/cures.md lists them"
         raise AxisError("is no measure of the catalogue", "limits.without", unknown[0], "", remedy)
     if judder(points) is None and "hunting.dead_band" not in verdict:
         return (), {}
-    judge = _Judge(axis, points, verdict)
+    judge = _Judge(series, points, verdict)
     tried = [judge.tried(measure) for measure in catalogue().values()]
     alone = [one for one in tried if isinstance(one, _Tried)]
     found = [one for one in alone if one.enough]
@@ -111,12 +103,12 @@ class _Judge:
     """What is asked of an axis, and whether a changed one meets it."""
 
     def __init__(
-        self, axis: Axis, points: Sequence[OperatingPoint], verdict: Mapping[str, float]
+        self, series: Series, points: Sequence[OperatingPoint], verdict: Mapping[str, float]
     ) -> None:
-        self._axis, self._verdict = axis, verdict
+        self._series, self._axis, self._verdict = series, series.axis, verdict
         self._points = [point for point in points if point.judders]
-        self._reach = self._reached(axis)
-        estimate = _estimate(axis)
+        self._reach = self._reached(self._axis)
+        estimate = estimated_critical_feed(self._axis)
         self._scale = self._reach / estimate if 0.0 < estimate < math.inf else 0.0
 
     def tried(self, measure: Measure) -> _Tried | str:
@@ -139,7 +131,7 @@ class _Judge:
             reason = "makes the loop unstable" if allowed else "beyond [limits]"
             return reason if steps else "does not apply"
         # The estimate says which step is the best; a milder one may be enough too.
-        best = min(borne, key=_estimate) if self._points else borne[-1]
+        best = min(borne, key=estimated_critical_feed) if self._points else borne[-1]
         one = self._judged((measure,), best)
         if one is not None and one.enough:
             for milder in borne[: borne.index(best)]:
@@ -154,45 +146,23 @@ class _Judge:
         The quick estimate comes first, scaled to the exact value of the axis as it is.
         """
         if not self._points:
-            if self._hunts(axis) is not None or any(judders(axis, f) for f in axis.demand.feeds):
+            if hunting_of(axis) is not None or not is_clean(axis):
                 return None
             limits = self._limits(axis, critical_feed(axis)) if axis.friction.constant else None
             return _Tried(taken, axis, True, limits.highest if limits else math.nan, limits)
-        if self._scale * _estimate(axis) > _WORSE * self._reach:
+        if self._scale * estimated_critical_feed(axis) > _WORSE * self._reach:
             return None
-        constant = axis.friction.constant
         reach = self._reached(axis)
-        # With constant friction nothing jumps far above the critical feed.
-        high = _BEYOND * reach if constant else math.inf
-        feeds = axis.demand.feeds
-        even = [f > high or (f > reach * constant and not judders(axis, f)) for f in feeds]
-        if all(is_even or self._allowed(axis, f) for is_even, f in zip(even, feeds, strict=True)):
-            limits = self._limits(axis, reach if constant else critical_feed(axis))
+        if is_clean(axis):
+            limits = self._limits(axis, reach if axis.friction.constant else critical_feed(axis))
             # Jumps carried up from slower feeds may exist where a break-away does not end in them.
-            if all(
-                margin_of(limits, f) > 1.0
-                for is_even, f in zip(even, feeds, strict=True)
-                if is_even
-            ):
+            if all(margin_of(limits, f) > 1.0 or is_allowed(axis, f) for f in axis.demand.feeds):
                 return _Tried(taken, axis, True, limits.highest, limits)
         return _Tried(taken, axis, False, reach) if reach < _BETTER * self._reach else None
 
-    def _allowed(self, axis: Axis, feed: float) -> bool:
-        """Return whether the jumps of an axis at a feed are allowed."""
-        largest = axis.demand.largest_jump
-        jumps = None if largest is None else jumps_of(axis, feed)
-        return jumps is not None and largest is not None and jumps.way <= largest
-
     def _reached(self, axis: Axis) -> float:
         """Return the critical feed; with a law without a closed form its estimate."""
-        return critical_feed(axis) if axis.friction.constant else _estimate(axis)
-
-    def _hunts(self, axis: Axis) -> float | None:
-        """Return the jump at a target [m]; None where the axis comes to rest."""
-        if axis.drive is None or axis.F_s == 0.0:
-            return None
-        found = hunting(axis)
-        return None if found is None or found.dead_band <= axis.drive.dead_band else found.jump
+        return critical_feed(axis) if axis.friction.constant else estimated_critical_feed(axis)
 
     def pairs(self, helping: Sequence[_Tried]) -> list[_Tried]:
         """Return the best pairs that are enough, of measures that are not enough alone."""
@@ -218,13 +188,14 @@ class _Judge:
 
     def shown(self, one: _Tried) -> Found:
         """Return what is told of measures: what they change, and what the axis then does."""
-        axis, margin, hunts = one.axis, None, None
+        axis, margin, hunts, robustness = one.axis, None, None, None
         critical = None if one.enough or not axis.friction.constant else one.reach
         if one.limits is not None:
             critical, feeds = one.limits.highest, axis.demand.feeds
             margin = min((margin_of(one.limits, feed) for feed in feeds), default=None)
             # Where no feed judders that it rests is what it is for.
-            hunts = self._hunts(axis) if self._points else None
+            hunts = hunting_of(axis) if self._points else None
+            robustness = self._series.robustness(axis)
         return Found(
             AxisMeasure(
                 ids=tuple(measure.id for measure in one.taken),
@@ -234,7 +205,8 @@ class _Judge:
                 changes=tuple(_changes(self._axis, axis, one.taken)),
                 critical_feed=critical,
                 margin=margin,
-                hunts=hunts,
+                robustness=robustness,
+                hunts=hunts.jump if hunts else None,
                 needs=tuple(measure.needs for measure in one.taken if measure.needs),
                 costs=tuple(measure.costs for measure in one.taken),
                 idle=tuple(measure.idle for measure in one.taken),
@@ -251,16 +223,19 @@ class _Judge:
         return CriticalVelocity(unstable_feeds(axis), cycle, (0.0, math.inf), False)
 
 
-def _rank(found: Found) -> tuple[int, int, float]:
-    """Return the rank: by effort, one before two, by margin."""
+def hunting_of(axis: Axis) -> Hunting | None:
+    """Return the cycle about a target; None where an axis comes to rest, or on a rigid drive."""
+    if axis.drive is None or axis.F_s == 0.0:
+        return None
+    found = hunting(axis)
+    return None if found is None or found.dead_band <= axis.drive.dead_band else found
+
+
+def _rank(found: Found) -> tuple[int, int, int, float]:
+    """Return the rank: by effort, one before two, by how many machines are clean, by margin."""
     one = found.measure
-    return EFFORTS.index(one.effort), len(one.ids), -(one.margin or 0.0)
-
-
-def _estimate(axis: Axis) -> float:
-    """Return the quick estimate of the critical feed, of constant friction."""
-    plain = replace(axis, friction=replace(axis.friction, law="coulomb", own={}))
-    return estimated_critical_feed(plain) if axis.drive else rigid_critical_feed(plain)
+    clean = one.robustness.clean if one.robustness else 0
+    return EFFORTS.index(one.effort), len(one.ids), -clean, -(one.margin or 0.0)
 
 
 def _changes(before: Axis, after: Axis, taken: Sequence[Measure]) -> Iterator[Change]:

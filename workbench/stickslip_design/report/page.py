@@ -81,7 +81,8 @@ UNITS: Final = {
             "Hz": "frequency simplified_frequency gain_margin_at phase_margin_at",
             "rad/s": "w",
             "rad": "phase_margin",
-            "1": "margin amplitude damping real imag gain_margin effort depth",
+            "1": "margin amplitude damping real imag gain_margin effort depth clean machines gap "
+            "stiffness mass",
             "N": "F_s F_k",
             "N/m": "stiffest",
             "that of `unit` beside it": "now then",

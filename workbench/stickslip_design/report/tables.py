@@ -13,7 +13,7 @@ from ..axis import Axis, Filter
 from ..axis.keys import KEYS
 from ..loop.stability import Cut
 from ..measures.catalogue import catalogue
-from ..verdict import AxisCure, AxisMeasure, Change, Verdict, ranges_in_words
+from ..verdict import AxisCure, AxisMeasure, Change, Robustness, Verdict, ranges_in_words
 
 Tone = Literal["good", "warn", "bad"]
 Motion = Literal["jumps", "both", "swings", "even"]
@@ -132,6 +132,24 @@ def margin(verdict: Verdict) -> str:
     which = "the slowest feed" if least is verdict.points[0] else "the feed"
     at = f"{told(least.feed, 'm/s', EXACT)} ({told(least.feed, 'm/min', EXACT)})"
     return f"{number(least.margin)} at {which}, {at}"
+
+
+def robust(verdict: Verdict) -> str:
+    """Return in how many machines the axis as it is is clean, and what varies; empty: no feeds."""
+    found = verdict.robustness
+    if found is None:
+        return ""
+    varied = ", ".join(
+        f"{name} ± {100.0 * part:.2g} %{' assumed' * (name in verdict.varied_by_default)}"
+        for name, part in verdict.varied.items()
+    )
+    count = f"{found.clean} of {found.machines} with {varied}"
+    decides = f"; the {found.decides} decides most" if found.decides else ""
+    return f"clean in {_clean_in(found)} of machines ({count}){decides}"
+
+
+def _clean_in(found: Robustness | None) -> str:
+    return NONE if found is None else f"{100 * found.clean // found.machines} %"
 
 
 def change(moved: AxisCure | Change) -> str:
@@ -285,12 +303,21 @@ def hunting(verdict: Verdict) -> tuple[str, ...]:
 def measures(verdict: Verdict) -> Grid:
     """Return the measures that are enough, the least effort first; the last column in full."""
     return Grid(
-        ("measure", "effort", "moves", "margin", "at a target", "needs, costs, does not help"),
+        (
+            "measure",
+            "effort",
+            "moves",
+            "clean in",
+            "margin",
+            "at a target",
+            "needs, costs, no help",
+        ),
         [
             (
                 one.name,
                 one.effort,
                 "; ".join(_moves(one)) or "the way to the feed",
+                _clean_in(one.robustness),
                 _margin(one),
                 _at_target(verdict, one),
                 " ".join(
@@ -304,7 +331,7 @@ def measures(verdict: Verdict) -> Grid:
             for one in verdict.measures
             if one.enough
         ],
-        frozenset({3}),
+        frozenset({3, 4}),
     )
 
 
