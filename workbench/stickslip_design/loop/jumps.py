@@ -22,6 +22,9 @@ _SLOW: Final = 25.0
 """And a rest by this longer, relative to what the drive takes to settle: it may wind up."""
 _STEADY: Final = 2e-4
 """Cycles are steady where half of them is as long as the other, to this."""
+_ON_AVERAGE: Final = 0.05
+"""How far the mean speed of the table may be from the feed, relative: behind it the drive still
+catches up."""
 _CLOSE: Final = 5e-4
 """The feed at which jumping ends is found to this, relative."""
 _SHARE: Final = 0.7
@@ -33,7 +36,7 @@ _RUNG: Final = 1.5
 """From feed to feed where jumps are looked for, if friction changes with the speed."""
 _SLOWER, _FASTER = 0.02, 5.0
 """How far these reach beyond the speeds of the friction and of the jumps."""
-_MOST: Final = 2_000
+_MOST: Final = 1_000
 """Steps of a search."""
 
 
@@ -87,8 +90,10 @@ class Jumping:
         following = walk(self._system, Mode(0, 1), self._moved(feed), watched)
         turns = following.turns(1)
         jumps: list[Jump] = []
-        while len(jumps) < _CYCLES or not (self._settled(jumps) or len(jumps) >= _MOST):
-            count = 2 if jumps else 2 * _CYCLES
+        while len(jumps) < _CYCLES or not self._settled(jumps, feed):
+            if len(jumps) > _MOST:
+                return None
+            count = 2 * (1 + len(jumps) // _CYCLES) if jumps else 2 * _CYCLES
             turns = turns[-1:] + following.turns(count)
             if len(turns) <= count or any(turn.mode.table != 1 for turn in turns[:-1:2]):
                 return None
@@ -97,16 +102,21 @@ class Jumping:
         self._at, self.feed = following.point, feed
         return jumps
 
-    def _settled(self, jumps: list[Jump]) -> bool:
-        """Tell whether the last cycles are steady; only growing friction takes long over it.
+    def _settled(self, jumps: list[Jump], feed: float) -> bool:
+        """Tell whether the last cycles keep up with the feed, and are steady.
 
-        Beyond a fold the jumps shrink slowly before they end.
+        A drive that winds up jumps in rows, with a long rest between. Growing friction takes long
+        until cycles are steady: beyond a fold the jumps shrink slowly before they end.
         """
+        last = jumps[-max(_CYCLES, len(jumps) // 2) :]
+        way, time = sum(jump.way for jump in last), sum(jump.period for jump in last)
+        if abs(way / (feed * time) - 1.0) > _ON_AVERAGE:
+            return False
         if not len(self._system.growth[0]):
             return True
         ways = [jump.way for jump in jumps[-_CYCLES:]]
-        before, last = sum(ways[: _CYCLES // 2]), sum(ways[_CYCLES // 2 :])
-        return abs(last / before - 1.0) <= _STEADY
+        before, after = sum(ways[: _CYCLES // 2]), sum(ways[_CYCLES // 2 :])
+        return abs(after / before - 1.0) <= _STEADY
 
     def _moved(self, feed: float) -> Point:
         """Return where the cycle stands, with an even motion of the difference in feed added."""
@@ -166,9 +176,22 @@ def limit_of_jumps(axis: Axis, highest: float = math.inf, begin: float | None = 
         left = -least / slope if slope > 0.0 else feed
         known = feed, least
         step = min(max(_SHARE * left, _CLOSE * feed), feed)
-    settled = jumps[-(_CYCLES // 2) :]
+    settled = _steady(cycle, jumps) if cycle.feed >= highest else jumps[-(_CYCLES // 2) :]
     rate = len(settled) / sum(jump.period for jump in settled)
     return Limit(cycle.feed, max(settled, key=lambda jump: jump.way), rate)
+
+
+def _steady(cycle: Jumping, jumps: list[Jump]) -> list[Jump]:
+    """Return jumps of a cycle that is followed at its feed until they are as those before."""
+    for _ in range(_MOST // _CYCLES):
+        following = cycle.at(cycle.feed)
+        if following is None:
+            break
+        before, after = (sum(jump.way for jump in each[-_CYCLES:]) for each in (jumps, following))
+        jumps = following
+        if abs(after / before - 1.0) <= _STEADY:
+            break
+    return jumps[-_CYCLES:]
 
 
 def beginnings(axis: Axis) -> list[float]:
