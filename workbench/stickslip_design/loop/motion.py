@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable
 from functools import lru_cache
-from typing import Any, Final, NamedTuple, Protocol
+from typing import Any, Final, NamedTuple
 
 import numpy as np
 from scipy.linalg import expm
@@ -226,43 +226,19 @@ class Watched(NamedTuple):
     """The time after which motion within 1 % of the feed is taken as even for good."""
 
 
-class Walk(Protocol):
-    """A motion on its way."""
-
-    @property
-    def mode(self) -> Mode:
-        """How it moves."""
-
-    @property
-    def point(self) -> Point:
-        """Where it stands."""
-
-    @property
-    def over(self) -> bool:
-        """Whether its time is over."""
-
-    @property
-    def settled(self) -> float | None:
-        """When its speed came within 5 % of the feed [s], if it was ended as even for good."""
-
-    def turns(self, count: int) -> list[Turn]:
-        """Follow it to the next events of the table; fewer than `count` where it ends."""
-
-
-def walk(system: System, mode: Mode, point: Point, watched: Watched) -> Walk:
-    """Begin to follow a motion: in C, or in Python where there is no compiler."""
-    native = native_of(system)
-    if native is None:
-        return _PythonWalk(system, mode, point, watched)
-    return _NativeWalk(native, mode, point, watched)
-
-
 @lru_cache(maxsize=8)
 def _motion_of(system: System) -> Motion:
     return Motion(system)
 
 
 class _NativeWalk:
+    """A motion on its way, in C.
+
+    `over`: its time is over. `settled`: when its speed came within 5 % of the feed [s], if it was
+    ended as even for good. `turns` follows it to the next events of the table, fewer than `count`
+    where it ends.
+    """
+
     def __init__(self, native: Native, mode: Mode, point: Point, watched: Watched) -> None:
         self._native, self._state = native, point.state.copy()
         self._settles = watched.settles
@@ -301,6 +277,8 @@ class _NativeWalk:
 
 
 class _PythonWalk:
+    """As `_NativeWalk`, where there is no compiler."""
+
     def __init__(self, system: System, mode: Mode, point: Point, watched: Watched) -> None:
         self._motion, self._watched = _motion_of(system), watched
         self.mode, self.point = mode, point
@@ -370,6 +348,17 @@ class _PythonWalk:
         if reached.event == "stop" and watched.rebased:
             state[[MOTOR, TABLE, LAST, system.layout.command]] -= place
         return [turn]
+
+
+Walk = _NativeWalk | _PythonWalk
+
+
+def walk(system: System, mode: Mode, point: Point, watched: Watched) -> Walk:
+    """Begin to follow a motion."""
+    native = native_of(system)
+    if native is None:
+        return _PythonWalk(system, mode, point, watched)
+    return _NativeWalk(native, mode, point, watched)
 
 
 def margins_of(system: System, mode: Mode) -> tuple[Margin, ...]:
