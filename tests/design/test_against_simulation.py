@@ -11,7 +11,7 @@ from stickslip_design.axis import Friction
 from stickslip_design.loop.critical import regime_of
 from stickslip_design.loop.stability import is_stable
 from stickslip_design.one_thread import one_thread
-from tests.conftest import Sized
+from tests.conftest import Sized, thinned
 from tests.design.axes import RIGID
 from tests.design.drawn import random_axis, random_drive
 from tests.design.simulated import EVEN, STARTS, Simulation
@@ -19,6 +19,10 @@ from tests.needs import needs
 
 pytestmark = needs("cc")
 
+JUMPS_UNSEEN: Final = {
+    47: "2 % below the end of an island of jumps; a blow of 1.35 F_s starts them"
+}
+"""Axes of which no start of the simulation shows the jumps that they are said to have, and why."""
 FADING: Final = 1e-6
 """Growth or decay of a swing in 1/w below which its sign is rounding of the finite differences."""
 
@@ -37,13 +41,12 @@ def test_a_simulated_slip_without_damping_has_the_peak_of_the_closed_form() -> N
 
 
 @pytest.mark.gate
+@pytest.mark.parametrize("part", thinned(range(10), 10))
 @one_thread
-def test_where_an_axis_is_called_even_no_start_judders_and_elsewhere_one_does(
-    sized: Sized,
-) -> None:
-    count = sized(200)
+def test_where_an_axis_is_called_even_no_start_judders_and_elsewhere_one_does(part: int) -> None:
+    numbers = range(20 * part, 20 * part + 20)
     unsaid, unseen, growing = [], [], []
-    for number in range(count):
+    for number in numbers:
         axis, feed = random_axis(number)
         said = regime_of(axis, feed)
         simulation = Simulation(axis, feed, 1e-6 if number % 10 == 9 else 1e-4)
@@ -53,12 +56,12 @@ def test_where_an_axis_is_called_even_no_start_judders_and_elsewhere_one_does(
         even = [simulation.started(start) < EVEN for start in STARTS]
         judders = said.kinds != ("even",) or not said.even
         if not judders and not all(even):
-            unsaid.append(axis.name)
+            unsaid.append(number)
         if judders and all(even):
-            unseen.append(axis.name)
+            unseen.append(number)
     assert not growing
     assert not unsaid
-    assert len(unseen) <= 0.01 * count, unseen
+    assert set(unseen) <= set(JUMPS_UNSEEN)
 
 
 @pytest.mark.gate
