@@ -26,6 +26,8 @@ from .catalogue import Measure, catalogue
 from .moving import applies, number_of, with_measure
 from .robust import Series
 
+_SURE: Final = 0.9
+"""Of machines: a milder step of a measure that is clean in fewer is not taken."""
 _BETTER: Final = 0.95
 """A measure helps if it takes the critical feed below this part."""
 _PAIRS: Final = 2
@@ -112,7 +114,7 @@ class _Judge:
         self._scale = self._reach / estimate if 0.0 < estimate < math.inf else 0.0
 
     def tried(self, measure: Measure) -> _Tried | str:
-        """Return the mildest step of a measure that is enough, else the best; a text why none."""
+        """Return the mildest step of a measure that is surely enough, else the best; why none."""
         if measure.id in self._axis.without:
             return "excluded by [limits]"
         if not applies(measure, self._axis):
@@ -136,9 +138,14 @@ class _Judge:
         if one is not None and one.enough:
             for milder in borne[: borne.index(best)]:
                 other = self._judged((measure,), milder)
-                if other is not None and other.enough:
+                if other is not None and other.enough and self._is_sure(milder):
                     return other
         return one or _NO_HELP
+
+    def _is_sure(self, axis: Axis) -> bool:
+        """Return whether nearly all machines of the series are clean with a measure."""
+        found = self._series.robustness(axis)
+        return found is None or found.clean >= _SURE * found.machines
 
     def _judged(self, taken: tuple[Measure, ...], axis: Axis) -> _Tried | None:
         """Return measures that are enough, or help; None where they do not.
