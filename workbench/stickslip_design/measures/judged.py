@@ -196,7 +196,8 @@ class _Judge:
     def shown(self, one: _Tried) -> Found:
         """Return what is told of measures: what they change, and what the axis then does."""
         axis, margin, hunts, robustness = one.axis, None, None, None
-        critical = None if one.enough or not axis.friction.constant else one.reach
+        known = not one.enough and axis.friction.constant
+        critical = limits_of(axis).highest if known else None
         if one.limits is not None:
             critical, feeds = one.limits.highest, axis.demand.feeds
             margin = min((margin_of(one.limits, feed) for feed in feeds), default=None)
