@@ -16,7 +16,7 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from stickslip_ref import coulomb_limit, critical_velocity, steady_cycle
+from stickslip_ref import Interval, coulomb_limit, critical_velocity, steady_cycle
 
 from ..axis import Axis, AxisError, AxisFile, Number
 from ..axis.keys import UNITS, key_of
@@ -169,14 +169,19 @@ def _regimes(
     friction = axis.friction
     critical = math.nan
     if axis.drive is not None:
+        jumps: tuple[Interval, ...] = ()
         if not regimes_only:
-            critical = limits_of(axis).highest
-        reached = 0.0
-        if friction.law == "coulomb" and feeds:
+            limits = limits_of(axis)
+            critical, jumps = limits.highest, limits.cycle
+        elif friction.law == "coulomb":
             # A cycle that does not form at slow feeds may do so above them all.
             reached = limit_of_jumps(axis, max(feeds)).feed or limit_of_jumps(axis).feed
+            jumps = (Interval(0.0, reached, "none", "grazing"),)
         return critical, [
-            Regime.STICKS if v <= reached else Regime[kind_beside(axis, v).upper()] for v in feeds
+            Regime.STICKS
+            if any(v in interval for interval in jumps)
+            else Regime[kind_beside(axis, v).upper()]
+            for v in feeds
         ]
     search = partial(critical_velocity, axis.block(1.0), friction.law, friction.own)
     if regimes_only:
