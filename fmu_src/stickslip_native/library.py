@@ -50,7 +50,10 @@ def load(name: str, sources: Mapping[str, bytes]) -> ctypes.CDLL:
 def cache_folder() -> Path:
     """Return the folder in which compiled libraries are kept."""
     own = os.environ.get("XDG_CACHE_HOME") or os.environ.get("LOCALAPPDATA") or "~/.cache"
-    return Path(own).expanduser() / "stickslip"
+    # A user without a home: a folder that cannot be written.
+    with contextlib.suppress(RuntimeError):
+        return Path(own).expanduser() / "stickslip"
+    return Path(os.devnull) / "stickslip"
 
 
 def _compiler() -> Compiler:
