@@ -40,6 +40,14 @@ def test_a_servo_axis_swings_without_a_stop_where_its_friction_falls() -> None:
     assert (falls.low, falls.high) == pytest.approx((8e-3, 12e-3))
 
 
+@pytest.mark.parametrize("T_n", [0.0, 0.016])
+def test_a_drive_that_hardly_follows_is_judged_in_no_time(T_n: float) -> None:
+    drive = replace(DRIVE, K_v=1e-9, T_n=T_n)
+    axis = replace(RIGID, drive=drive, c=0.0, friction=Friction(mu_s=0.1, mu_k=0.08))
+    assert limits_of(axis).highest < 1e-3
+    assert regime_of(axis, 2e-2).kinds == ("even",)
+
+
 @pytest.mark.gate
 def test_a_swing_is_in_the_first_sentence() -> None:
     assert "At 10 mm/s this axis swings by ± 54 % of the feed" in design(SERVO).sentence

@@ -212,6 +212,9 @@ class Courses:
         if count < 3 * _LAST:
             return None
         first, before, now = _heights(events)
+        if not (first and before and now):
+            # Its extremes are rounding: the table does not swing.
+            return Course("even", settling=self._settling(events))
         steady = max(abs(before / first - 1.0), abs(now / before - 1.0)) < _STEADY
         if steady and not self._in_stable_line(last):
             return Course("swings", swing=self._swing(self._run(events)))

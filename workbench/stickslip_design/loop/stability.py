@@ -41,6 +41,8 @@ _FINER: Final = 1.05
 """Factor from gain to gain in the search for a limit."""
 _MOST: Final = 1e3
 """How far beyond a gain its limit is searched."""
+_IDLE: Final = 2.0
+"""Time constant from which on a loop hardly acts [s]."""
 _SLOWEST: Final = 1e-3
 _FEEDS: Final = 160
 """Feeds at which the damping of a smooth fall is looked at, and the slowest over the first line's
@@ -98,10 +100,13 @@ def settling(axis: Axis) -> float:
 
 
 def slowest(axis: Axis) -> float:
-    """Return the time constants of position loop and integral [s]: it may wind up, and creep."""
+    """Return the time constants of position loop and integral [s]: it may wind up, and creep.
+
+    At most `_IDLE`.
+    """
     drive = axis.drive
     assert drive is not None
-    return drive.T_n + (1.0 / drive.K_v if drive.K_v > 0.0 else math.inf)
+    return min(drive.T_n + 1.0 / max(drive.K_v, 1.0 / _IDLE), _IDLE)
 
 
 def decays(system: System, line: int) -> bool:
