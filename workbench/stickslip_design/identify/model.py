@@ -1,0 +1,152 @@
+"""What a record is, and what it tells of an axis."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Final, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+Floats = NDArray[np.float64]
+
+KNOWN: Final = 0.5
+"""A number whose interval is wider than this part of it is not identified."""
+
+Kind = Literal["steady runs", "stick-slip", "excitation"]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Record:
+    """Samples of an axis or of a pull test, shape (n,); at the slide, SI."""
+
+    t: Floats
+    """Time [s], rising."""
+    position: Floats | None = None
+    """Measured position of the table; of a drive where it is measured, as the axis says [m]."""
+    velocity: Floats | None = None
+    """Measured speed [m/s]; None: from the position."""
+    command: Floats | None = None
+    """Commanded position, that of the pulled end on a rigid drive [m]."""
+    force: Floats | None = None
+    """Force that drives the table: of the motor at the slide, of the spring on a rigid drive [N]."""
+    rounding: Mapping[str, float] = field(default_factory=dict)
+    """Half a unit in the last digit of a column, by its name here."""
+    force_spread: float = 0.0
+    """The ± of the scale of the force, relative: of the torque constant."""
+    notes: tuple[str, ...] = ()
+    """What was found in reading: gaps, jitter, what was converted by what."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Number:
+    """A number that a record tells, with its interval of 95 %."""
+
+    name: str
+    """Its key in an axis file, as "axis.mass"; else its symbol, as "k/m"."""
+    meaning: str
+    """What it is, in words."""
+    unit: str
+    """Its SI unit."""
+    value: float
+    """The best value."""
+    low: float
+    high: float
+    """Ends of the interval, without the ± of the scale of the force."""
+    scales: bool = False
+    """Whether the ± of the scale of the force is its own too: of forces, and of masses by forces."""
+    why: str = ""
+    """What its width comes from, or why it cannot be told."""
+
+    @property
+    def width(self) -> float:
+        """Half the interval over the value, relative."""
+        return 0.5 * (self.high - self.low) / abs(self.value) if self.value else math.inf
+
+    @property
+    def known(self) -> bool:
+        """Whether it is identified."""
+        return 2.0 * self.width <= KNOWN
+
+
+@dataclass(frozen=True, kw_only=True)
+class Residual:
+    """What a fit leaves of a record."""
+
+    rms: float
+    """Its root mean square, in `unit`."""
+    unit: str
+    """"N" or "m"."""
+    memory: float
+    """Time after which it no longer knows itself [s]; 0: it is white."""
+    at: tuple[float, float] = (0.0, 0.0)
+    """A lag [s], and the correlation there [-]: what shows that it is not white."""
+    faults: tuple[str, ...] = ()
+    """What it shows that the model has not; empty: the model explains the record."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Curve:
+    """Friction over the speed, shape (n,): with its sign, the weight in it."""
+
+    speed: Floats
+    """Signed speeds [m/s], rising."""
+    force: Floats
+    """Friction [N]."""
+    band: Floats
+    """Half its interval of 95 % [N]."""
+    law: str
+    """The law that explains it best, in plain words."""
+    fitted: Floats
+    """Friction of that law [N]."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Trace:
+    """A column of the record over which the fit is drawn, shape (n,), at most some thousands."""
+
+    name: str
+    """"force" or "position"."""
+    unit: str
+    """"N" or "m"."""
+    t: Floats
+    """Time [s]."""
+    measured: Floats
+    fitted: Floats
+    """What was measured; what the fit says, NaN where it says nothing."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Identified:
+    """What a record tells, each number with its interval, and what it cannot tell."""
+
+    kind: Kind
+    reason: str
+    """Why it is taken for that."""
+    numbers: tuple[Number, ...]
+    untold: tuple[tuple[str, str], ...]
+    """What the record cannot tell, and why."""
+    residual: Residual
+    traces: tuple[Trace, ...]
+    segments: tuple[tuple[float, float, str], ...]
+    """Parts of the record: begin and end [s], and what they are."""
+    curve: Curve | None = None
+    """Friction over the speed."""
+    notes: tuple[str, ...] = ()
+    """What else was found, a sentence each: directions that differ, a zero that drifts."""
+    following: str = ""
+    """What to measure next, in a sentence."""
+
+    @property
+    def explained(self) -> bool:
+        """Whether the model explains the record."""
+        return not self.residual.faults
+
+    def number(self, name: str) -> Number:
+        """Return a number by its name; KeyError if it is not told."""
+        for each in self.numbers:
+            if each.name == name:
+                return each
+        raise KeyError(name)
