@@ -31,7 +31,7 @@ class Record:
     command: Floats | None = None
     """Commanded position, that of the pulled end on a rigid drive [m]."""
     force: Floats | None = None
-    """Force that drives the table: of the motor at the slide, of the spring on a rigid drive [N]."""
+    """Force on the table: of the motor at the slide, of the spring on a rigid drive [N]."""
     rounding: Mapping[str, float] = field(default_factory=dict)
     """Half a unit in the last digit of a column, by its name here."""
     force_spread: float = 0.0
@@ -56,7 +56,7 @@ class Number:
     high: float
     """Ends of the interval, without the ± of the scale of the force."""
     scales: bool = False
-    """Whether the ± of the scale of the force is its own too: of forces, and of masses by forces."""
+    """Whether the ± of the scale of the force is its own too: of forces and masses."""
     why: str = ""
     """What its width comes from, or why it cannot be told."""
 
