@@ -199,8 +199,9 @@ class Verdict:
     responses: tuple[Response, ...]
     """Open loops; empty on a rigid drive."""
     measures: tuple[AxisMeasure, ...]
-    """Measures that help, those that are enough first, by effort, clean machines and margin; two
-    together where none is; then those that are not enough. Empty where nothing judders or hunts."""
+    """Measures that help, those that are enough first, by effort, clean machines and weight of the
+    work; two together where none is; then those that are not enough. Empty where nothing judders
+    or hunts."""
     left_out: Mapping[str, tuple[str, ...]]
     """The other measures of the catalogue, by the reason why they are not offered."""
     cures: tuple[AxisCure, ...]

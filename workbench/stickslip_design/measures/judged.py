@@ -27,7 +27,8 @@ from .moving import applies, number_of, with_measure
 from .robust import Series
 
 _SURE: Final = 0.9
-"""Of machines: a milder step of a measure that is clean in fewer is not taken."""
+"""Of machines: more are as good, and a milder step of a measure that is clean in fewer is not
+taken."""
 _BETTER: Final = 0.95
 """A measure helps if it takes the critical feed below this part."""
 _PAIRS: Final = 2
@@ -72,9 +73,10 @@ def measures(
 
     `points` are its operating points, `verdict` the numbers that a measure may be in terms of, by
     name. Where a feed judders the aim is that none does; else that it does not hunt at a target.
-    First those that are enough, by effort, share of clean machines and margin, what changes the
-    task and not the axis last; then those that help and are not enough. Of two together the best
-    pairs are among the first, if nothing less than a rebuild is enough alone.
+    First those that are enough, by effort, share of clean machines up to `_SURE` and order of the
+    catalogue, what changes the task and not the axis last; then those that help and are not enough.
+    Of two together the best pairs are among the first, if nothing less than a rebuild is enough
+    alone.
     """
     unknown = [name for name in series.axis.without if name not in catalogue()]
     if unknown:
@@ -239,11 +241,11 @@ def hunting_of(axis: Axis) -> Hunting | None:
     return None if found is None or found.dead_band <= axis.drive.dead_band else found
 
 
-def _rank(found: Found) -> tuple[int, int, int, float]:
-    """Return the rank: by effort, one before two, by how many machines are clean, by margin."""
-    one = found.measure
-    clean = one.robustness.clean if one.robustness else 0
-    return EFFORTS.index(one.effort), len(one.ids), -clean, -(one.margin or 0.0)
+def _rank(found: Found) -> tuple[int, int, float]:
+    """Return the rank: by effort, one before two, by clean machines; of equals the order stays."""
+    one, stands = found.measure, found.measure.robustness
+    clean = stands.clean / stands.machines if stands else 0.0
+    return EFFORTS.index(one.effort), len(one.ids), -min(clean, _SURE)
 
 
 def _changes(before: Axis, after: Axis, taken: Sequence[Measure]) -> Iterator[Change]:
