@@ -18,13 +18,11 @@ from numpy.typing import ArrayLike, NDArray
 from stickslip_units import Scale, on_data_sheet, scale_for
 
 from ..datasets import need
-from ..points.columns import Regime
+from ..points.columns import Floats, Regime
 from .study import SLAB, boxes
 
 if TYPE_CHECKING:
     import xarray
-
-Floats = NDArray[np.float64]
 
 VALID: Final = 0.1
 """The simplified formula counts as good up to this relative error."""

@@ -27,9 +27,9 @@ from stickslip_ref import (
 from stickslip_ref import friction_law as reference_law
 
 from . import dwelling, falling
-from .columns import Regime
+from .columns import Floats, Regime
 from .falling import CURVE, last_coefficient
-from .slips import BESIDE, LEAST_STICK, Floats, Motion, Values
+from .slips import BESIDE, LEAST_STICK, Motion, Values
 
 WITHOUT_INFLUENCE: Final = ("F_ext", "x_start", "x_dot_start", "z_start", "age_start")
 """Parameters and inputs that the steady motion does not depend on."""

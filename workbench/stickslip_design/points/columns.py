@@ -5,6 +5,11 @@ from __future__ import annotations
 from enum import IntEnum
 from typing import Final, NamedTuple
 
+import numpy as np
+from numpy.typing import NDArray
+
+Floats = NDArray[np.float64]
+
 
 class Regime(IntEnum):
     """What the mass does: a cycle with a stick where there is one, else by the steady sliding."""

@@ -16,12 +16,12 @@ from numpy.typing import NDArray
 from stickslip_fmu.laws.named import COULOMB_NAME
 from stickslip_ref import Parameters, critical_lambda, steady_cycle
 
+from .columns import Floats
 from .slips import (
     BESIDE,
     LEAST_STICK,
     REST_SLACK,
     Flags,
-    Floats,
     Motion,
     Values,
     first_slips,

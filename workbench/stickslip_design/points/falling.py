@@ -13,12 +13,12 @@ import numpy as np
 
 from stickslip_ref import Shape
 
+from .columns import Floats
 from .slips import (
     BESIDE,
     LEAST_STICK,
     REST_SLACK,
     Flags,
-    Floats,
     Motion,
     Values,
     first_slips,

@@ -18,7 +18,8 @@ from stickslip_fmu.spec import spec_of
 from stickslip_native.batch import first_slips as native_first_slips
 from stickslip_native.compiler import CompilerError
 
-Floats = NDArray[np.float64]
+from .columns import Floats
+
 Flags = NDArray[np.bool_]
 Values = Mapping[str, float | Floats]
 """Parameters and inputs of the block by name [SI]."""

@@ -36,7 +36,6 @@ from pathlib import Path
 from typing import Annotated, Any, Final, TypeAlias
 
 import numpy as np
-from numpy.typing import NDArray
 from pydantic import AfterValidator, BeforeValidator, Field
 from pydantic.dataclasses import dataclass
 
@@ -46,7 +45,7 @@ from stickslip_verification.model.data_file import WRITTEN, DataError, DataFile,
 from ..axis.curve_file import csv_lines
 from ..datasets import need
 from .model import Model, SweepError, Variable, nearest
-from .runs import FAILURE, REDUCTIONS, Sweep, column_of, reduces
+from .runs import FAILURE, REDUCTIONS, Floats, Sweep, column_of, reduces
 
 MOST_STEPS: Final = 100_000_000
 """Communication steps of a run."""
@@ -56,7 +55,6 @@ _TIME: Final = "time"
 _HEADING: Final = re.compile(r"(?P<name>.*?)\s*(?:\[(?P<unit>[^\]]*[^\]\d][^\]]*)\])?")
 """A name, and a unit in square brackets; brackets around a number are an index of the name."""
 
-Floats: TypeAlias = NDArray[np.float64]
 _Columns: TypeAlias = Mapping[str, tuple[Floats, str]]
 """The numbers of a file by name, shape (n,), and the unit that its header gives."""
 

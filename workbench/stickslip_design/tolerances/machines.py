@@ -33,7 +33,6 @@ from functools import cached_property
 from typing import Any, Final, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy import stats
 from scipy.special import ndtr, ndtri
 
@@ -43,9 +42,8 @@ from ..axis import AxisError, AxisFile, Number
 from ..axis.keys import UNITS, key_of
 from ..chunks import Columns
 from ..points.axes import axis_points, check, has_closed_form, read_number
-from ..points.columns import WITHOUT_FEED
+from ..points.columns import WITHOUT_FEED, Floats
 
-Floats = NDArray[np.float64]
 SpreadIs = Literal["uniform", "normal"]
 """What a ± means: every value within it is as likely as another, or it is two sigma of a normal."""
 

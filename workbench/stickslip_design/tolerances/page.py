@@ -12,21 +12,18 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
-from numpy.typing import NDArray
 
 from stickslip_fmu.release import VERSION
 from stickslip_units import EXACT, number
 from stickslip_verification.report.files import environment, text_of
 from stickslip_verification.report.svg import BLUE, GREY, INK, ORANGE, STYLE
 
-from ..points.columns import Regime
+from ..points.columns import Floats, Regime
 from ..report.page import drawn, plain
 from . import words
 from .statistics import interval
 from .study import Scatter
 from .words import feed, name_of
-
-Floats = NDArray[np.float64]
 
 _COLOURS: Final = (BLUE, ORANGE, "#009e73")
 _LINES: Final[Any] = ("-", (0, (5, 2)), (0, (1, 1.5)))

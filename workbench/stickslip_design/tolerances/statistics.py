@@ -28,10 +28,8 @@ from scipy.stats import qmc, quantile_test, sobol_indices
 from ..axis import AxisError, AxisFile
 from ..chunks import Columns, Results, Study
 from ..points.axes import axis_points, check
-from ..points.columns import Regime
+from ..points.columns import Floats, Regime
 from .machines import Distribution, Machines, Population, Samples
-
-Floats = NDArray[np.float64]
 
 CONFIDENCE: Final = 0.95
 """Share of the samples whose interval holds the truth."""
@@ -154,8 +152,7 @@ def indices(values: Floats, rows: int, seed: int) -> Indices | None:
     first, total = _estimated(parts)
     generator = _generator(seed, _RESAMPLING)
     again = [_estimated(parts[:, generator.integers(rows, size=rows)]) for _ in range(_RESAMPLES)]
-    tail = 0.5 * (1.0 - CONFIDENCE)
-    ranges = np.nanquantile(np.array(again), [tail, 1.0 - tail], axis=0)
+    ranges = np.nanquantile(np.array(again), [_TAIL, 1.0 - _TAIL], axis=0)
     return Indices(first, total, ranges[:, 0].T, ranges[:, 1].T)
 
 
