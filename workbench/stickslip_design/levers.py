@@ -118,45 +118,34 @@ def cures(axis: Axis, feed: float, aim: str = END) -> tuple[AxisCure, ...]:
     swings at the feed [m/s], above 0; `aim` says what the changes are for. The smallest change
     first; those that do not help within what exists last.
     """
-    found = [lever.cure(_end(lever, feed), aim) for lever in levers(axis)]
+    close = _CLOSE_BY_SIDE if axis.drive is None else _CLOSE
+
+    def even(axis: Axis) -> bool:
+        return is_clean(replace(axis, demand=Demand(feeds=(feed,))))
+
+    def allowed(axis: Axis) -> bool:
+        return is_stable(axis) and is_allowed(axis, feed)
+
+    found = [lever.cure(_least(lever, even, math.inf, close), aim) for lever in levers(axis)]
     largest = axis.demand.largest_jump
     if largest is not None and (jumps := jumps_of(axis, feed)) and jumps.way > largest:
         for lever, end in zip(levers(axis), list(found), strict=False):
-            factor = _factor_below(lever, feed, end.effort)
+            # From a larger jump jumping may also end at once.
+            factor = _least(lever, allowed, end.effort / (1.0 + 2.0 * _CLOSE), _CLOSE)
             if factor is not None:
                 found.append(lever.cure(factor, BELOW))
     return tuple(sorted(found, key=lambda cure: (cure.then is None, cure.effort)))
 
 
-def _end(lever: Lever, feed: float) -> float | None:
-    """Return the factor at which an axis no longer judders at the feed; None within what exists."""
-    close = _CLOSE_BY_SIDE if lever.at(1.0).drive is None else _CLOSE
+def _least(lever: Lever, holds: Callable[[Axis], bool], below: float, close: float) -> float | None:
+    """Return the least factor from which on an axis meets an aim, by halving; None if none does.
 
-    def even(factor: float) -> bool:
-        return is_clean(replace(lever.at(factor), demand=Demand(feeds=(feed,))))
-
-    return _least(even, lever.farthest, close)
-
-
-def _factor_below(lever: Lever, feed: float, end: float) -> float | None:
-    """Return the factor that brings the jump down to the largest allowed.
-
-    None where no factor does, or where jumping ends at once from a larger jump.
+    It lies below a factor, and within what exists.
     """
-
-    def allowed(factor: float) -> bool:
-        axis = lever.at(factor)
-        return is_stable(axis) and is_allowed(axis, feed)
-
-    return _least(allowed, min(end / (1.0 + 2.0 * _CLOSE), lever.farthest), _CLOSE)
-
-
-def _least(holds: Callable[[float], bool], farthest: float, close: float) -> float | None:
-    """Return the least factor from which on something holds, by halving; None if not at last."""
-    low, high = 1.0, farthest
-    if high <= low or not holds(high):
+    low, high = 1.0, min(below, lever.farthest)
+    if high <= low or not holds(lever.at(high)):
         return None
     while high > low * (1.0 + close):
         middle = math.sqrt(low * high)
-        low, high = (low, middle) if holds(middle) else (middle, high)
+        low, high = (low, middle) if holds(lever.at(middle)) else (middle, high)
     return high

@@ -22,7 +22,7 @@ from .loop.critical import (
     simplified_critical_feed,
 )
 from .loop.jumps import Limit
-from .loop.rest import Hunting, limit_from_rest
+from .loop.rest import limit_from_rest
 from .loop.stability import Response, gain_limits, is_stable, open_loop, swing
 from .measures.judged import Found, hunting_of, measures
 from .measures.robust import Series
@@ -68,7 +68,7 @@ def design(axis: Axis | AxisFile) -> Verdict:
     points = tuple(_points(axis, limits, start)) if stable else ()
     rest = hunting_of(axis) if stable else None
     series = Series(axis, file)
-    found, left_out = _measures(series, points, critical, rest) if stable else ((), {})
+    found, left_out = measures(series, points, critical, rest) if stable else ((), {})
     before, after = _motions(axis, judder(points), found)
     offered = tuple(each.measure for each in found)
     return Verdict(
@@ -121,14 +121,6 @@ def _points(axis: Axis, limits: CriticalVelocity, start: float | None) -> Iterat
             simplified_jump=float(simple.delta_x),
             simplified_frequency=float(simple.f),
         )
-
-
-def _measures(
-    series: Series, points: Sequence[OperatingPoint], critical: float, rest: Hunting | None
-) -> tuple[tuple[Found, ...], dict[str, tuple[str, ...]]]:
-    """Return the measures that help, where a feed judders or the axis hunts."""
-    found = {"critical_feed": critical} if critical < math.inf else {}
-    return measures(series, points, found | ({"hunting.dead_band": rest.dead_band} if rest else {}))
 
 
 @in_its_units

@@ -19,7 +19,7 @@ from ..one_thread import one_thread
 from .jumps import Limit, beginnings, limit_of_jumps, loaded
 from .motion import Point, Turn, Walk, Watched, walk
 from .stability import decays, settling, swing
-from .system import LAST, MOTOR, SPEED, Line, Mode, line_at, system_of
+from .system import LAST, MOTOR, SPEED, Mode, line_at, system_of
 
 Begin = Literal["rest", "jumps", "struck", "held", "even"]
 
@@ -139,26 +139,22 @@ class Courses:
             return Mode(0, motor), Point(state, 0.0)
         return self._beside(_DEVIATION)
 
-    def _line(self) -> Line:
-        """Return the line of the friction at the feed."""
-        return next(line for line in self._system.lines if self._feed <= line.high)
-
     def _even_force(self) -> float:
         """Return the force of the spring in even motion [N]."""
-        axis, line = self._axis, self._line()
+        axis, system = self._axis, self._system
+        line = system.lines[system.line(self._feed)]
         force = line.force + line.slope * (self._feed - line.low)
         return force + axis.c * self._feed - axis.along
 
     def _beside(self, deviation: float) -> tuple[Mode, Point]:
         """Return even motion but for the table's speed, which is off by so much of the feed."""
         system, axis, feed = self._system, self._axis, self._feed
-        sliding, force = self._line(), self._even_force()
+        sliding, force = system.lines[system.line(feed)], self._even_force()
         state = system.holding(force, feed, force / axis.k)
         state[SPEED] = feed * (1.0 + deviation)
         if not sliding.low < state[SPEED] < sliding.high:
             state[SPEED] = feed * (1.0 - deviation)
-        line = next(n for n, line in enumerate(system.lines) if state[SPEED] <= line.high)
-        return Mode(1, 1, line), Point(state, 0.0)
+        return Mode(1, 1, system.line(state[SPEED])), Point(state, 0.0)
 
     def _walk(self, mode: Mode, point: Point) -> Walk:
         """Begin to follow the events of the table and extremes of its speed, with the ramp."""
@@ -168,12 +164,8 @@ class Courses:
         # What holds is loaded by the feed; a drive that lags or turns back takes longer.
         longest = _LONGEST * period + _SLOW * settling(axis)
         end, ends = 8.0 * axis.F_s / (axis.k * feed) + longest, feed / ramp if ramp else math.inf
-        # Which line that is follows from the feed.
-        line = self._system.lines.index(self._line())
-        settles = settling(axis) if self._decays(line) else math.inf
-        watched = Watched(
-            end, longest, longest, _MOST, ends, feed, _BESIDE * period, settles=settles
-        )
+        even = settling(axis) if self._decays(self._system.line(feed)) else math.inf
+        watched = Watched(end, longest, longest, _MOST, ends, feed, _BESIDE * period, settles=even)
         return walk(self._system, mode, point, watched)
 
     def _sticks(self, events: list[Turn], sticks: list[int]) -> Course | None:
@@ -385,11 +377,15 @@ def jump_ranges(axis: Axis) -> tuple[Interval, ...]:
     if axis.friction.law != "coulomb":
         return merged(_scanned(axis, sorted({*begin, *asked}), 0.0))
     limit = limit_of_jumps(axis).feed
-    slow = [Interval(0.0, limit, "none", "grazing")] if limit > 0.0 else []
     first = limit * _RUNG or begin[0]
     feeds = {first * _RUNG**number for number in range(_RUNGS)} if first > 0.0 else set()
     feeds.update(feed for feed in asked if feed > limit)
-    return merged([*slow, *_scanned(axis, sorted(feeds), limit or begin[-1])])
+    return merged([*up_to(limit), *_scanned(axis, sorted(feeds), limit or begin[-1])])
+
+
+def up_to(feed: float) -> tuple[Interval, ...]:
+    """Return the jumps from the slowest feed up to one [m/s]; none up to 0."""
+    return (Interval(0.0, feed, "none", "grazing"),) if feed > 0.0 else ()
 
 
 def _scanned(axis: Axis, feeds: list[float], below: float) -> list[Interval]:

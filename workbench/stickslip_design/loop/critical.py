@@ -8,7 +8,6 @@ from dataclasses import replace
 from typing import Final, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from stickslip_ref import (
     EVEN,
@@ -25,26 +24,29 @@ from stickslip_ref import (
 )
 
 from ..axis import Axis
-from .courses import jolted, jump_ranges, regime_in_loop
+from .courses import jolted, jump_ranges, regime_in_loop, up_to
 from .jumps import Limit, limit_of_jumps, loaded
 from .motion import MOST_TURNS, Watched, walk
 from .stability import is_stable, swing, unstable_feeds
-from .system import TABLE, Mode, line_at, system_of
+from .system import TABLE, Mode, Vector, line_at, system_of
 
 _CYCLES: Final = 12
 """Cycles after which a jump under a law without a closed form is read."""
-_BESIDE: Final = 1e-9
+BESIDE: Final = 1e-9
 """A range of feeds this narrow is one feed."""
 
 
-def limits_of(axis: Axis) -> CriticalVelocity:
+def limits_of(axis: Axis, reached: float | None = None) -> CriticalVelocity:
     """Return the feeds at which an axis sticks and slips, and at which even motion is unstable.
 
-    The loop of a servo axis must be stable with the table sliding fast.
+    The loop of a servo axis must be stable with the table sliding fast. With the feed that it has
+    `reached` in jumps [m/s] those are all up to it; else they are looked for.
     """
     if axis.drive is None:
         return critical_velocity(axis.block(1.0), axis.friction.law, axis.friction.own)
-    return CriticalVelocity(unstable_feeds(axis), jump_ranges(axis), (0.0, math.inf), False)
+    unstable = unstable_feeds(axis)
+    jumps = jump_ranges(axis) if reached is None else up_to(reached)
+    return CriticalVelocity(unstable, jumps, (0.0, math.inf), False)
 
 
 def regime_of(axis: Axis, feed: float, limit: Limit | None = None) -> Regime:
@@ -77,7 +79,7 @@ def judders(axis: Axis, feed: float) -> bool:
     """Return whether an axis may stick and slip or swing at a feed [m/s]; an unstable loop does."""
     friction = axis.friction
     if axis.drive is None:
-        beside = feed * (1.0 - _BESIDE), feed
+        beside = feed * (1.0 - BESIDE), feed
         found = critical_velocity(axis.block(feed), friction.law, friction.own, beside)
         return found.motions(feed) != (EVEN,)
     # What needs no motion first.
@@ -170,16 +172,14 @@ def damped(axis: Axis, zeta: float) -> Axis:
     return replace(axis, c=2.0 * zeta * math.sqrt(axis.k * axis.m))
 
 
-Floats = NDArray[np.float64]
-
 _POINTS: Final = 600
 
 
 class Record(NamedTuple):
     """A motion: times [s] since the break-away, and how far the table is ahead of the feed [m]."""
 
-    time: Floats
-    ahead: Floats
+    time: Vector
+    ahead: Vector
 
 
 def record(axis: Axis, feed: float, span: float) -> Record:

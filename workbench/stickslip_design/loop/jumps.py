@@ -12,7 +12,7 @@ from ..axis import Axis
 from ..one_thread import one_thread
 from .motion import Point, Watched, walk
 from .stability import decays, settling
-from .system import LAST, TABLE, Mode, System, lines_of, system_of
+from .system import LAST, TABLE, Mode, System, system_of
 
 _CYCLES: Final = 12
 """Cycles at each feed: the first half lets it settle, over the second samples fall differently."""
@@ -82,11 +82,8 @@ class Jumping:
         rests = slips + _SLOW * settling(axis)
         # The least speed comes within a swing; where the friction falls, going on so could grow
         # without end.
-        line = next(n for n, line in enumerate(self._system.lines) if feed <= line.high)
-        settles = settling(axis) if self._decays(line) else math.inf
-        watched = Watched(
-            slips, slips, rests, least=2.0 * math.pi / w, rebased=True, settles=settles
-        )
+        even = settling(axis) if self._decays(self._system.line(feed)) else math.inf
+        watched = Watched(slips, slips, rests, least=2.0 * math.pi / w, rebased=True, settles=even)
         following = walk(self._system, Mode(0, 1), self._moved(feed), watched)
         turns = following.turns(1)
         jumps: list[Jump] = []
@@ -201,7 +198,7 @@ def beginnings(axis: Axis) -> list[float]:
     if axis.friction.law == "coulomb":
         return [share * whole for share in _BEGINNINGS]
     # Where friction changes with the speed a cycle may begin above a feed, and begin again.
-    knots = [line.low for line in lines_of(axis)[1:]]
+    knots = [line.low for line in system_of(axis).lines[1:]]
     scales = [scale for scale in (*knots, axis.F_s / axis.k * w) if scale > 0.0]
     low, high = _SLOWER * min(scales), _FASTER * max(scales)
     count = math.ceil(math.log(high / low) / math.log(_RUNG))

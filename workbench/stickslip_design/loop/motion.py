@@ -226,9 +226,7 @@ class Watched(NamedTuple):
     """The time after which motion within 1 % of the feed is taken as even for good."""
 
 
-@lru_cache(maxsize=8)
-def _motion_of(system: System) -> Motion:
-    return Motion(system)
+_motion_of = lru_cache(maxsize=8)(Motion)
 
 
 class _NativeWalk:

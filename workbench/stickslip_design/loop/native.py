@@ -86,7 +86,7 @@ class Native:
             "blocks": np.zeros((2 + 4 * len(system.lines)) * _block(layout.size)),
             "scratch": np.empty(3 * layout.size), "lates": np.array(lates, np.intc),
         }  # fmt: skip
-        self._size, self._library = layout.size, library
+        self._library = library
         # Held as long as C reads them.
         self._arrays = arrays
         self._axis = _Axis(

@@ -13,7 +13,7 @@ from scipy.optimize import brentq
 
 from stickslip_ref import Interval, merged
 
-from ..axis import Axis
+from ..axis import Axis, Drive
 from ..one_thread import one_thread
 from .native import over_sample
 from .system import (
@@ -27,7 +27,6 @@ from .system import (
     System,
     Vector,
     line_at,
-    lines_of,
     system_of,
 )
 
@@ -96,17 +95,11 @@ def _swing(system: System, z: Eigenvalues) -> Swing:
 
 def settling(axis: Axis) -> float:
     """Return the time in which a stable loop settles [s], at length; for `motion.Watched`."""
-    return 8.0 * math.pi * math.sqrt(axis.m / axis.k) + 4.0 * slowest(axis)
-
-
-def slowest(axis: Axis) -> float:
-    """Return the time constants of position loop and integral [s]: it may wind up, and creep.
-
-    At most `_IDLE`.
-    """
     drive = axis.drive
     assert drive is not None
-    return min(drive.T_n + 1.0 / max(drive.K_v, 1.0 / _IDLE), _IDLE)
+    # Position loop and integral: it may wind up, and creep.
+    slowest = min(drive.T_n + 1.0 / max(drive.K_v, 1.0 / _IDLE), _IDLE)
+    return 8.0 * math.pi * math.sqrt(axis.m / axis.k) + 4.0 * slowest
 
 
 def decays(system: System, line: int) -> bool:
@@ -126,7 +119,7 @@ def unstable_feeds(axis: Axis) -> tuple[Interval, ...]:
     def damping(feed: float) -> float:
         return swing(axis, line=line_at(axis, feed)).damping
 
-    lines = lines_of(axis)
+    lines = system_of(axis).lines
     if axis.friction.is_curve:
         grows = zip(lines, _dampings(axis, lines), strict=True)
         return merged([Interval(line.low, line.high, *_ENDS) for line, at in grows if at < 0.0])
@@ -165,22 +158,18 @@ def gain_limits(axis: Axis) -> GainLimits:
     drive = axis.drive
     assert drive is not None
     shape = drive.T_n * drive.bandwidth
-
-    def with_gain(K_v: float) -> Axis:
-        return replace(axis, drive=replace(drive, K_v=K_v))
-
-    def with_bandwidth(bandwidth: float) -> Axis:
-        return replace(axis, drive=replace(drive, bandwidth=bandwidth, T_n=shape / bandwidth))
-
-    return GainLimits(_limit(with_gain, drive.K_v), _limit(with_bandwidth, drive.bandwidth))
+    return GainLimits(
+        _limit(axis, lambda K_v: replace(drive, K_v=K_v), drive.K_v),
+        _limit(axis, lambda w: replace(drive, bandwidth=w, T_n=shape / w), drive.bandwidth),
+    )
 
 
-def _limit(changed: Callable[[float], Axis], now: float) -> float:
+def _limit(axis: Axis, changed: Callable[[float], Drive], now: float) -> float:
     """Return the end of the stable values next to the one of now, above it if that is stable."""
 
     def excess(value: float) -> float:
         # Of the friction only its slope counts, and none is left at the highest speeds.
-        return _excess(System(changed(value), (_FLAT,)))
+        return _excess(System(replace(axis, drive=changed(value)), (_FLAT,)))
 
     if now <= 0.0:
         return math.inf

@@ -10,10 +10,9 @@ from __future__ import annotations
 
 import math
 from collections import deque
-from collections.abc import Callable
-from functools import cache, cached_property, wraps
+from functools import cache, cached_property
 from itertools import pairwise
-from typing import Final, NamedTuple, TypeVar
+from typing import Final, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -42,33 +41,12 @@ class Line(NamedTuple):
     """How it rises with the speed [N.s/m]."""
 
 
-_Of = TypeVar("_Of")
-_KEPT: Final = 8
-
-
-def recent(function: Callable[[Axis], _Of]) -> Callable[[Axis], _Of]:
-    """Return a function that keeps what it returned for the last axes that it was called with."""
-    kept: deque[tuple[Axis, _Of]] = deque(maxlen=_KEPT)
-
-    @wraps(function)
-    def of(axis: Axis) -> _Of:
-        for known, value in [*kept]:
-            if known is axis:
-                return value
-        kept.append((axis, function(axis)))
-        return kept[-1][1]
-
-    return of
-
-
-@recent
 def _law(axis: Axis) -> Parameters:
     """Return the parameters of the Stribeck friction of an axis."""
     return STRIBECK.complete(axis.block(1.0), axis.friction.own)
 
 
-@recent
-def lines_of(axis: Axis) -> tuple[Line, ...]:
+def _lines_of(axis: Axis) -> tuple[Line, ...]:
     """Return the dry friction of the guideway in slip, without its viscous part.
 
     One line for constant coefficients; those between the points of a measured curve; of a smooth
@@ -103,7 +81,8 @@ def line_at(axis: Axis, feed: float) -> Line:
     """Return the dry friction of the guideway about a feed [m/s]: the line that touches it."""
     friction = axis.friction
     if friction.law != "stribeck" or friction.is_curve:
-        return next(line for line in lines_of(axis) if feed <= line.high)
+        system = system_of(axis)
+        return system.lines[system.line(feed)]
     p = _law(axis)
     return Line(feed, math.inf, STRIBECK.slip_friction(p, feed), STRIBECK.slope(p, feed))
 
@@ -249,7 +228,11 @@ class System:
     @cached_property
     def lines(self) -> tuple[Line, ...]:
         """The friction of the table in slip."""
-        return self._lines or lines_of(self.axis)
+        return self._lines or _lines_of(self.axis)
+
+    def line(self, speed: float) -> int:
+        """Return which line the friction of the table is at a speed [m/s]."""
+        return next(number for number, line in enumerate(self.lines) if speed <= line.high)
 
     @property
     def sliding(self) -> Mode:
@@ -332,10 +315,16 @@ class System:
         return control
 
 
-@recent
+_LAST_ONES: Final = deque[System](maxlen=8)
+
+
 def system_of(axis: Axis) -> System:
-    """Return the system of a servo axis; ValueError if it has no drive."""
-    return System(axis)
+    """Return the system of a servo axis, kept for the last axes; ValueError if it has no drive."""
+    # By identity: its rounding depends on what was asked of it, and not of an axis like it.
+    found = next((system for system in [*_LAST_ONES] if system.axis is axis), None)
+    if found is None:
+        _LAST_ONES.append(found := System(axis))
+    return found
 
 
 def _growth(axis: Axis) -> tuple[Vector, Vector]:

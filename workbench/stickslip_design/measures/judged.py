@@ -13,13 +13,13 @@ from difflib import get_close_matches
 from itertools import combinations
 from typing import Final, NamedTuple
 
-from stickslip_ref import CriticalVelocity, Interval
+from stickslip_ref import CriticalVelocity
 
 from ..axis import Axis, AxisError
 from ..axis.keys import KEYS
 from ..loop.critical import critical_feed, estimated_critical_feed, is_allowed, is_clean, limits_of
 from ..loop.rest import Hunting, hunting
-from ..loop.stability import is_stable, unstable_feeds
+from ..loop.stability import is_stable
 from ..one_thread import one_thread
 from ..verdict import EFFORTS, AxisMeasure, Change, OperatingPoint, judder, margin_of
 from .catalogue import Measure, catalogue
@@ -67,12 +67,12 @@ class _Tried:
 
 @one_thread
 def measures(
-    series: Series, points: Sequence[OperatingPoint], verdict: Mapping[str, float]
+    series: Series, points: Sequence[OperatingPoint], critical: float, rest: Hunting | None
 ) -> tuple[tuple[Found, ...], dict[str, tuple[str, ...]]]:
     """Return the measures that help the axis of a series, and the names of the others, by reason.
 
-    `points` are its operating points, `verdict` the numbers that a measure may be in terms of, by
-    name. Where a feed judders the aim is that none does; else that it does not hunt at a target.
+    `points` are its operating points, `critical` its critical feed [m/s], `rest` its cycle about a
+    target. Where a feed judders the aim is that none does; else that it does not hunt at a target.
     First those that are enough, by effort, share of clean machines up to `_SURE` and order of the
     catalogue, what changes the task and not the axis last; then those that help and are not enough.
     Of two together the best pairs are among the first, if nothing less than a rebuild is enough
@@ -83,8 +83,9 @@ def measures(
         near = get_close_matches(unknown[0], catalogue(), 3, 0.3)
         remedy = f"nearest: {', '.join(near)}" if near else "docs/cures.md lists them"
         raise AxisError("is no measure of the catalogue", "limits.without", unknown[0], "", remedy)
-    if judder(points) is None and "hunting.dead_band" not in verdict:
+    if judder(points) is None and rest is None:
         return (), {}
+    verdict = {"critical_feed": critical, "hunting.dead_band": rest.dead_band if rest else 0.0}
     judge = _Judge(series, points, verdict)
     tried = [judge.tried(measure) for measure in catalogue().values()]
     alone = [one for one in tried if isinstance(one, _Tried)]
@@ -157,13 +158,13 @@ class _Judge:
         if not self._points:
             if hunting_of(axis) is not None or not is_clean(axis):
                 return None
-            limits = self._limits(axis, critical_feed(axis)) if axis.friction.constant else None
+            limits = limits_of(axis, critical_feed(axis)) if axis.friction.constant else None
             return _Tried(taken, axis, True, limits.highest if limits else math.nan, limits)
         if self._scale * estimated_critical_feed(axis) > _WORSE * self._reach:
             return None
         reach = self._reached(axis)
         if is_clean(axis):
-            limits = self._limits(axis, reach if axis.friction.constant else critical_feed(axis))
+            limits = limits_of(axis, reach if axis.friction.constant else critical_feed(axis))
             # Jumps carried up from slower feeds may exist where a break-away does not end in them.
             if all(margin_of(limits, f) > 1.0 or is_allowed(axis, f) for f in axis.demand.feeds):
                 return _Tried(taken, axis, True, limits.highest, limits)
@@ -224,13 +225,6 @@ class _Judge:
             ),
             axis,
         )
-
-    def _limits(self, axis: Axis, critical: float) -> CriticalVelocity:
-        """Return the limits of an axis, of a servo axis those up to its critical feed [m/s]."""
-        if axis.drive is None:
-            return limits_of(axis)
-        cycle = (Interval(0.0, critical, "none", "grazing"),) if critical > 0.0 else ()
-        return CriticalVelocity(unstable_feeds(axis), cycle, (0.0, math.inf), False)
 
 
 def hunting_of(axis: Axis) -> Hunting | None:

@@ -11,7 +11,7 @@ from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from difflib import get_close_matches
 from functools import partial
-from typing import Any, Final
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -20,20 +20,16 @@ from stickslip_ref import Interval, coulomb_limit, critical_velocity, steady_cyc
 
 from ..axis import Axis, AxisError, AxisFile, Number
 from ..axis.keys import UNITS, key_of
-from ..loop.critical import jumps_of, kind_beside, limits_of
+from ..loop.courses import up_to
+from ..loop.critical import BESIDE, jumps_of, kind_beside, limits_of
 from ..loop.jumps import limit_of_jumps
 from ..loop.stability import is_stable
-from .columns import WITHOUT_FEED, Regime
-
-_BESIDE: Final = 1e-9
-"""A range of feeds this narrow is one feed."""
-
-Floats = NDArray[np.float64]
+from .columns import WITHOUT_FEED, Floats, Regime
 
 
 def axis_points(
     file: AxisFile,
-    changes: Mapping[str, NDArray[np.float64]],
+    changes: Mapping[str, Floats],
     feeds: Sequence[float] = (),
     *,
     regimes_only: bool = False,
@@ -176,7 +172,7 @@ def _regimes(
         elif friction.law == "coulomb":
             # A cycle that does not form at slow feeds may do so above them all.
             reached = limit_of_jumps(axis, max(feeds)).feed or limit_of_jumps(axis).feed
-            jumps = (Interval(0.0, reached, "none", "grazing"),)
+            jumps = up_to(reached)
         return critical, [
             Regime.STICKS
             if any(v in interval for interval in jumps)
@@ -185,7 +181,7 @@ def _regimes(
         ]
     search = partial(critical_velocity, axis.block(1.0), friction.law, friction.own)
     if regimes_only:
-        found = [search((v * (1.0 - _BESIDE), v)) for v in feeds]
+        found = [search((v * (1.0 - BESIDE), v)) for v in feeds]
     else:
         limit = search()
         critical, (low, high) = limit.highest, limit.between
