@@ -33,6 +33,7 @@ from benchmarks.page import NoBrowserError, measure_moves, measure_opening
 from stickslip.page import page
 from stickslip_design.axis import Friction, axis_file_of, example
 from stickslip_design.chunks import run as run_study
+from stickslip_design.identify.read import read_record
 from stickslip_design.loop import native
 from stickslip_design.loop.jumps import limit_of_jumps
 from stickslip_design.points.axes import axis_points
@@ -333,6 +334,23 @@ def of_score(folder: Path) -> Iterator[Row]:
     yield Row("score, file of 2 10^6 rows", "row", times, "numpy.loadtxt", 4.0)
 
 
+def of_records(folder: Path) -> Iterator[Row]:
+    """Time reading a record of two million rows with decimal commas against NumPy, with points."""
+    file, plain = folder / "record.csv", folder / "plain.csv"
+    t = 1e-4 * np.arange(ROWS)
+    columns = np.column_stack([t, 0.2 * np.sin(t), 0.2 * np.sin(t - 0.01), 50.0 * np.cos(t)])
+    header = "t [s];command [m];position [m];force [N]"
+    np.savetxt(plain, columns, "%.8f", delimiter=";", header=header, comments="")
+    file.write_text(plain.read_text(encoding="utf-8").replace(".", ","), encoding="utf-8")
+    times = best_of(
+        3,
+        lambda: read_record(file),
+        lambda: np.loadtxt(plain, delimiter=";", skiprows=1),
+        count=ROWS,
+    )
+    yield Row("record, file of 2 10^6 rows", "row", times, "numpy.loadtxt", 4.0)
+
+
 def of_page(folder: Path) -> Iterator[Row]:
     """Time the page's redraw after a move of a slider; nothing, and a word, without a browser."""
     file = folder / "stick-slip.html"
@@ -364,7 +382,8 @@ def measure() -> Iterator[Row]:
     """Measure everything."""
     with tempfile.TemporaryDirectory(prefix="stickslip-bench-") as name:
         folder = Path(name)
-        for part in (of_python_fmu, of_native_fmu, of_axis, of_studies, of_score, of_page):
+        reading = (of_score, of_records)
+        for part in (of_python_fmu, of_native_fmu, of_axis, of_studies, *reading, of_page):
             yield from part(folder)
         for other in (of_native_batches, of_stribeck, of_block, of_fields):
             yield from other()

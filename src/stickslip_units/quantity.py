@@ -201,6 +201,7 @@ _ROTARY: Final[Mapping[str, Unit]] = {
     "rev": _TURN,
     "rpm": Unit(_TURN.factor / 60, Fraction(0), (0, 0, -1, 0, 0, 0, 0, 1)),
     "counts": _ONE,
+    "A": replace(_ONE, dimension=(0, 0, 0, 1, 0, 0, 0, 0)),
     # Read sign by sign it could be N ms.
     "Nms": replace(_ONE, dimension=(1, 2, -1, 0, 0, 0, 0, 0)),
     # Both edges of both tracks of an encoder count.

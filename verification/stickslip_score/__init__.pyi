@@ -4,6 +4,14 @@ from .cause import Score as Score
 from .cause import as_json as as_json
 from .cause import score as score
 from .figures import scatter_of as scatter_of
+from .read import UNITS as UNITS
 from .read import Curve as Curve
 from .read import CurveError as CurveError
+from .read import Quantity as Quantity
+from .read import Wanted as Wanted
+from .read import check_samples as check_samples
+from .read import quantities_of as quantities_of
+from .read import read_columns as read_columns
 from .read import read_curve as read_curve
+from .read import refusing as refusing
+from .read import roundings as roundings

@@ -1,16 +1,22 @@
-"""A curve, in SI units with the digits of its numbers, from arrays or a CSV file of any tool."""
+"""Samples, with the digits of their numbers, from arrays or a CSV file of any tool.
+
+`read_columns` reads the quantities of a table, `read_curve` a curve in SI units.
+"""
 
 from __future__ import annotations
 
 import csv
 import math
 import re
-from collections.abc import Mapping, Sequence
-from contextlib import suppress
+import tomllib
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from decimal import Decimal
+from fnmatch import fnmatchcase
+from itertools import islice
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any, Final, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -23,38 +29,62 @@ _RUNS, _RUN = 4, 500  # runs of neighbouring samples in which counts are sought,
 _ROUNDINGS = 1024.0 * 2.0**-53  # of the largest number: moves below it are none
 _ON_THE_GRID = 0.01  # of half a unit: times printed off their grid scatter by nearly all of it
 _SAME = 1e-9  # of a column's largest value: what rows of one time at an event may differ by
+_PIECE = 2**23  # characters that are parsed at once
+_MOST_ABOVE = 100  # lines of a header, and of notes and units between it and the numbers
 _WITH_CELLS = re.compile(r"^[^\S\n]*[^#\s].*$", re.MULTILINE)
 _THOUSANDS = re.compile(r"[+-]?[1-9]\d{0,2}(,\d{3})+")
+_NO_THOUSANDS = re.compile(r"\d,(?!\d{3}(?!\d))\d|(?<![\d,])(?:0\d*|\d{4,}),\d")
+_STAMP = re.compile(r"(?:\d{4}-\d\d-\d\d[T ])?(?<!\d)(\d\d):(\d\d):(\d\d)((?:[.,]\d*)?)Z?")
+_SAMPLE_TIME = re.compile(r"([\d.]+(?:e-?\d+)?)\s*(\w+)")
+_OF_AN_AXIS = re.compile(r"\s*\[u(\d+)\s*[,;\s]\s*(\d+)\]")  # behind a signal of Sinumerik
+_NO_UNIT = {"", "-", "1", "None"}
 _NAME_AND_UNIT = (
     re.compile(r"(.*?)\s*\[([^\]]*)\]"),
     re.compile(r"(?!der\()([^()]*|.*?\s)\(([^)]*)\)"),
 )
 
-_LENGTHS = {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "um": 1e-6, "µm": 1e-6, "nm": 1e-9}
-_TIMES = {"s": 1.0, "sec": 1.0, "seconds": 1.0, "ms": 1e-3, "us": 1e-6, "µs": 1e-6, "min": 60.0}
-_SPEEDS = {f"{length}/s": size for length, size in _LENGTHS.items()}
-_SPEEDS |= {"m.s-1": 1.0, "mm/min": 1e-3 / 60.0, "m/min": 1.0 / 60.0}
-_FORCES = {"N": 1.0, "mN": 1e-3, "kN": 1e3, "MN": 1e6}
+_FILE = tomllib.loads(Path(__file__).with_name("columns.toml").read_text(encoding="utf-8"))
+UNITS: Final[Mapping[str, Mapping[str, float]]] = _FILE["units"]
+"""Units of times, lengths, speeds and forces by name, with their sizes in SI."""
 
 
-class _Quantity(NamedTuple):
+class Quantity(NamedTuple):
+    """What a column may be, and how it may be called."""
+
     meaning: str
     units: Mapping[str, float]  # in SI; a column without a unit is in SI
     plain: str  # names in order of preference, in their case; else in any
-    others: str  # more names in any case
+    others: str = ""  # more names in any case
+    words: str = ""  # patterns in order of preference, of small letters without blanks and marks
+    of: str = ""  # what several may stand for: what a person names, else the first of the table
+    jumps: bool = False  # whether it may differ in the two rows that tools write at an event
 
 
-_X_DOTS = "xdot dx dxdt v_mass v_m vel velocity speed der(s) mass.v"
-_QUANTITIES = {
-    "t": _Quantity("time", _TIMES, "time t Time", "zeit"),
-    "x": _Quantity("position", _LENGTHS, "x X position", "s pos x_mass mass_x displacement weg"),
-    "x_dot": _Quantity("velocity", _SPEEDS, "x_dot der(x)", _X_DOTS),
-    "F": _Quantity("force", _FORCES, "F F_spring spring_force", "force springforce f_c kraft"),
-}
+class Wanted(NamedTuple):
+    """What is read of a file."""
+
+    quantities: Mapping[str, Quantity]
+    required: Mapping[str, str]  # quantities of which one must be there, by what refusals call them
+    names: Mapping[str, str]  # names of columns, by quantity
+
+
+def quantities_of(
+    rows: Mapping[str, Mapping[str, Any]], units: Mapping[str, Mapping[str, float]]
+) -> dict[str, Quantity]:
+    """Return quantities of a table, whose units are names of tables of `units`."""
+    found = {}
+    for name, row in rows.items():
+        sizes = {unit: size for of in row["units"] for unit, size in units[of].items()}
+        found[name] = Quantity(**{**row, "units": sizes})
+    return found
+
+
+_QUANTITIES = quantities_of(_FILE["columns"], UNITS)
+_REQUIRED = {"time": "t", "the position x nor of the spring force F": "x F"}
 
 
 class CurveError(ValueError):
-    """A curve cannot be read or judged; the message says where and why."""
+    """Samples cannot be read or judged; the message says where and why."""
 
 
 @dataclass(frozen=True)
@@ -73,20 +103,8 @@ class Curve:
     def __post_init__(self) -> None:
         if self.x is None and self.F is None:
             raise CurveError("neither x nor F is given; one of them is needed")
-        if self.t.ndim != 1 or self.t.size < LEAST_SAMPLES:
-            raise CurveError(f"{self.t.size} samples; at least {LEAST_SAMPLES} are needed")
-        for name in _QUANTITIES:
-            column = getattr(self, name)
-            if column is None:
-                continue
-            if column.shape != self.t.shape:
-                raise CurveError(f"{name} has {column.size} samples and t {self.t.size}")
-            if not np.all(np.isfinite(column)):
-                where = int(np.argmin(np.isfinite(column)))
-                raise CurveError(f"{name} is {column[where]} in sample {where + 1}")
-        if not np.all(np.diff(self.t) > 0.0):
-            where = int(np.argmin(np.diff(self.t) > 0.0)) + 1
-            raise CurveError(f"time does not increase in sample {where + 1}: t = {self.t[where]} s")
+        columns = {name: getattr(self, name) for name in _QUANTITIES}
+        check_samples({name: column for name, column in columns.items() if column is not None})
 
     @classmethod
     def of(
@@ -103,20 +121,44 @@ class Curve:
         """
         columns = {"t": t, "x": x, "x_dot": x_dot, "F": F}
         arrays = {n: np.array(c, dtype=np.float64) for n, c in columns.items() if c is not None}
-        return _with_rounding(arrays, dict.fromkeys(arrays, 1.0))
+        return _curve(arrays, dict.fromkeys(arrays, 1.0))
 
 
-def _with_rounding(columns: Mapping[str, Floats], units: Mapping[str, float]) -> Curve:
-    """Make a curve of columns as printed, with their units by quantity, and count their digits."""
-    fields: dict[str, Any] = {}
+def check_samples(columns: Mapping[str, Floats]) -> None:
+    """Raise CurveError for columns that do not go together, by name; "t" is among them.
+
+    For fewer than 5 samples, unequal lengths, NaN or infinity, time that does not increase.
+    """
+    t = columns["t"]
+    if t.ndim != 1 or t.size < LEAST_SAMPLES:
+        raise CurveError(f"{t.size} samples; at least {LEAST_SAMPLES} are needed")
     for name, column in columns.items():
-        half = half_unit(column)
-        if name == "t":
-            # Steps of 0.1 s hit an even grid to the last bit.
-            even = np.linspace(column[0], column[-1], column.size)
-            scatter = float(np.max(np.abs(column - even)))
-            half = scatter if scatter < _ON_THE_GRID * half else half
-        fields |= {name: column * units[name], f"{name}_rounding": half * units[name]}
+        if column.shape != t.shape:
+            raise CurveError(f"{name} has {column.size} samples and t {t.size}")
+        if not np.all(np.isfinite(column)):
+            where = int(np.argmin(np.isfinite(column)))
+            raise CurveError(f"{name} is {column[where]} in sample {where + 1}")
+    if not np.all(np.diff(t) > 0.0):
+        where = int(np.argmin(np.diff(t) > 0.0)) + 1
+        raise CurveError(f"time does not increase in sample {where + 1}: t = {t[where]} s")
+
+
+def roundings(columns: Mapping[str, Floats]) -> dict[str, float]:
+    """Return half a unit in the last digit of columns as printed, by name; "t" is the time.
+
+    Of times that are even to the last bit, as steps of 0.1 s are, it is their scatter.
+    """
+    halves = {name: half_unit(column) for name, column in columns.items()}
+    even = np.linspace(columns["t"][0], columns["t"][-1], columns["t"].size)
+    scatter = float(np.max(np.abs(columns["t"] - even)))
+    return halves | ({"t": scatter} if scatter < _ON_THE_GRID * halves["t"] else {})
+
+
+def _curve(columns: Mapping[str, Floats], sizes: Mapping[str, float]) -> Curve:
+    """Make a curve of columns as printed, with the sizes of their units by quantity."""
+    fields: dict[str, Any] = {}
+    for name, half in roundings(columns).items():
+        fields |= {name: columns[name] * sizes[name], f"{name}_rounding": half * sizes[name]}
     return Curve(**fields)
 
 
@@ -165,18 +207,19 @@ def _count_step(column: Floats) -> float:
 
 
 def read_curve(path: Path | str, names: Mapping[str, str] | None = None) -> Curve:
-    """Read a curve from a text file with one header line, in SI units.
+    """Read a curve in SI units, of t, x, x_dot and F: see `read_columns`."""
+    with refusing(path):
+        printed, units = read_columns(Path(path), Wanted(_QUANTITIES, _REQUIRED, names or {}))
+        return _curve(
+            printed, {n: _QUANTITIES[n].units.get(unit, 1.0) for n, unit in units.items()}
+        )
 
-    Cells stand between commas, semicolons or tabs. Commas in a cell are decimal where they can be
-    nothing else; thousands separators are refused. A header may carry a unit, ``x [mm]`` or ``time
-    (s)``. Lines that begin with # and blank lines are passed over. Two rows of one time with the
-    same position and force, as tools write them at an event, count as one.
 
-    `names` are column names by quantity, of t, x, x_dot and F; the others are guessed. A name may
-    carry the unit that the header lacks. `CurveError` names the file, the line and the reason.
-    """
+@contextmanager
+def refusing(path: Path | str) -> Iterator[None]:
+    """Put the name of a file before refusals; CurveError where it cannot be read."""
     try:
-        return _read(Path(path), names or {})
+        yield
     except FileNotFoundError:
         raise CurveError(f"{path}: no such file") from None
     except OSError as error:
@@ -185,36 +228,43 @@ def read_curve(path: Path | str, names: Mapping[str, str] | None = None) -> Curv
         raise CurveError(f"{path}: {error}") from None
 
 
-def _read(file: Path, names: Mapping[str, str]) -> Curve:
+def read_columns(file: Path, wanted: Wanted) -> tuple[dict[str, Floats], dict[str, str]]:
+    """Read a text file: numbers as printed, shape (n,), and units, "" for none, by quantity.
+
+    The header is the first line that names what is required. Lines above it, lines of units and
+    notes below it, lines that begin with # and blank lines are passed over. Cells stand between
+    commas, semicolons or tabs. Commas in a cell are decimal where they can be nothing else;
+    thousands separators are refused. A header may carry a unit, ``x [mm]`` or ``time (s)``, or have
+    it below. Of times such as 12:00:00.001 the date is passed over. Two rows of one time with the
+    same position and force, as tools write them at an event, count as one.
+
+    Columns without a name are guessed. A name may carry the unit that the header lacks; that of t
+    may be a sample time, ``0.25 ms``. `CurveError` gives line, column and reason.
+    """
     text = _text(file)
     header_line = _WITH_CELLS.search(text)
     if header_line is None:
         raise CurveError("is empty")
     if "\0" in text[: header_line.end()]:
         raise CurveError("is no text file")
-    if not _WITH_CELLS.search(text, header_line.end()):
+    sampled = _SAMPLE_TIME.fullmatch(wanted.names.get("t", ""))
+    if unit := sampled and _known(sampled[2], wanted.quantities["t"]):
+        required = {what: some for what, some in wanted.required.items() if some != "t"}
+        quantities = {name: of for name, of in wanted.quantities.items() if name != "t"}
+        names = {name: column for name, column in wanted.names.items() if name != "t"}
+        wanted = Wanted(quantities, required, names)
+    layout, units = _layout(text, wanted)
+    if not _WITH_CELLS.search(text, layout.start):
         raise CurveError("has no samples below its header")
-    separator = next((mark for mark in ";\t" if mark in header_line[0]), ",")
-    header = [cell.strip().strip("'\"").strip() for cell in _cells(header_line[0], separator)]
-    columns = _columns(header, names)
-    needed = [index for index, _ in columns.values()]
-    table = None
-    # Every line has as many cells as the header, and no cell a quote or a comma of its own.
-    if '"' not in text and (separator == "," or "," not in text):
-        with suppress(ValueError, IndexError):
-            rows = text[header_line.end() :].split("\n")
-            table = np.loadtxt(rows, delimiter=separator, usecols=needed, ndmin=2)
-            cells = text.count(separator, header_line.end()) + len(table)
-            if cells != len(table) * len(header) or not np.isfinite(table).all():
-                table = None
-    if table is None:
-        table = _table(_rows(text), separator, header, needed)
-    printed = {quantity: table[:, i].copy() for i, quantity in enumerate(columns)}
-    for index, column in zip(needed, printed.values(), strict=True):
-        _check_points(header[index], column)
-    samples = _increasing(printed, text)
-    printed = {quantity: column[samples] for quantity, column in printed.items()}
-    return _with_rounding(printed, {quantity: unit for quantity, (_, unit) in columns.items()})
+    table = _table(text, layout)
+    printed = {name: table[:, i].copy() for i, name in enumerate(units)}
+    for index, column in zip(layout.needed, printed.values(), strict=True):
+        _check_points(layout.header[index], column)
+    if sampled and unit:
+        t = np.arange(len(table), dtype=np.float64) * float(sampled[1])
+        return {"t": t, **printed}, {"t": unit, **units}
+    samples = _increasing(printed, wanted.quantities, text, layout.start)
+    return {name: column[samples] for name, column in printed.items()}, units
 
 
 def _text(file: Path) -> str:
@@ -223,13 +273,74 @@ def _text(file: Path) -> str:
     # Units such as µm may come in the letters of Windows.
     for encoding in ("utf-16",) if is_utf_16 else ("utf-8-sig", "latin-1"):
         with suppress(UnicodeError):
-            return file.read_text(encoding)
+            text = file.read_text(encoding)
+            # TwinCAT Scope ends its files so.
+            return text[: text.rindex("EOF")] if text[-9:].rstrip()[-4:] == "\nEOF" else text
     raise CurveError("is no text file")
 
 
-def _rows(text: str) -> Rows:
-    lines = enumerate(text.split("\n"), 1)
-    return [(n, line) for n, line in lines if line.lstrip()[:1] not in ("", "#")][1:]
+class _Layout(NamedTuple):
+    """How a file is written."""
+
+    separator: str
+    header: Sequence[str]
+    needed: Sequence[int]  # places of the columns
+    start: int  # where the rows begin
+    comma: bool  # whether commas are decimal, as some cell shows
+
+
+def _layout(text: str, wanted: Wanted) -> tuple[_Layout, dict[str, str]]:
+    """Find the line that names the columns and where the rows begin; return the units, too."""
+    refusals: list[tuple[int, CurveError]] = []
+    for line in islice(_WITH_CELLS.finditer(text), _MOST_ABOVE):
+        raw = _OF_AN_AXIS.sub(r" u\1/\2", line[0])
+        separator = next((mark for mark in ";\t" if mark in raw), ",")
+        header = [cell.strip().strip("'\"").strip() for cell in _cells(raw, separator)]
+        if all(_is_number(cell) for cell in header if cell):
+            break
+        try:
+            columns = _columns(header, wanted)
+        except CurveError as error:
+            refusals.append((sum(not _is_number(cell) for cell in header), error))
+            continue
+        needed, start, notes = [index for index, _ in columns.values()], line.end(), []
+        for below in islice(_WITH_CELLS.finditer(text, start), _MOST_ABOVE):
+            row = _cells(_STAMP.sub(_seconds, below[0]), separator) + [""] * len(header)
+            # TwinCAT Scope has numbers in its notes, each behind the name of the note.
+            is_note = header[needed[0]] == "Name" and row[needed[0]][:1].isalpha()
+            if not is_note and any(_is_number(row[index]) for index in needed):
+                break
+            notes.append(row)
+            start = below.end()
+        units = {
+            name: _unit(heading, [row[index] for row in notes], wanted.quantities[name])
+            for name, (index, heading) in columns.items()
+        }
+        comma = separator != "," and text.find(".", start) < 0 and _NO_THOUSANDS.search(text, start)
+        return _Layout(separator, header, needed, start, bool(comma)), units
+    if not refusals:
+        raise CurveError("has no header line: its first line holds numbers only")
+    raise max(refusals, key=lambda refusal: refusal[0])[1]
+
+
+def _columns(header: Sequence[str], wanted: Wanted) -> dict[str, tuple[int, str]]:
+    """Return by quantity the place of its column, and the text that has its unit."""
+    columns, taken = {}, {wanted.quantities[name].of or name for name in wanted.names}
+    for symbol, quantity in wanted.quantities.items():
+        of = quantity.of or symbol
+        if symbol in wanted.names:
+            columns[symbol] = _named(_OF_AN_AXIS.sub(r" u\1/\2", wanted.names[symbol]), header)
+        elif of not in taken and (guess := _guess(quantity, header)) is not None:
+            columns[symbol] = guess, header[guess]
+            taken.add(of)
+    for what, any_of in wanted.required.items():
+        if not columns.keys() & set(any_of.split()):
+            raise CurveError(f"no column of {what}; the columns are {', '.join(header)}")
+    return columns
+
+
+def _is_number(text: str) -> bool:
+    return not math.isnan(_number(text.replace(",", "."))) or text.strip().lower() == "nan"
 
 
 def _cells(line: str, separator: str) -> list[str]:
@@ -239,26 +350,37 @@ def _cells(line: str, separator: str) -> list[str]:
         raise CurveError(f"cannot be split into cells: {error}") from None
 
 
-Columns = Mapping[str, tuple[int, float]]  # place of the column of a quantity, its unit in SI
-Rows = Sequence[tuple[int, str]]  # lines with their numbers in the file
+def _has_cells(line: str) -> bool:
+    return line.lstrip()[:1] not in ("", "#")
 
 
-def _columns(header: Sequence[str], names: Mapping[str, str]) -> Columns:
-    if not any(math.isnan(_number(cell.replace(",", "."))) for cell in header if cell):
-        raise CurveError("has no header line: its first line holds numbers only")
-    columns = {}
-    for symbol, quantity in _QUANTITIES.items():
-        if symbol in names:
-            index, text = _named(names[symbol], header)
-        elif (guess := _guess(quantity, header)) is not None:
-            index, text = guess, header[guess]
-        else:
-            continue
-        columns[symbol] = index, _unit(text, quantity)
-    for any_of, what in (("t", "time"), ("xF", "the position x nor of the spring force F")):
-        if not columns.keys() & set(any_of):
-            raise CurveError(f"no column of {what}; the columns are {', '.join(header)}")
-    return columns
+def _table(text: str, layout: _Layout) -> Floats:
+    """Return the numbers of the needed columns, shape (n, columns)."""
+    # Every line has as many cells as the header, and no cell a quote or a comma of its own.
+    is_plain = text.find('"', layout.start) < 0 and (
+        layout.separator == "," or layout.comma or text.find(",", layout.start) < 0
+    )
+    separator, needed, tables, start = layout.separator, layout.needed, [], layout.start
+    while _WITH_CELLS.search(text, start):
+        end = text.find("\n", start + _PIECE) + 1 or len(text)
+        piece = text[start:end]
+        piece = _STAMP.sub(_seconds, piece) if ":" in piece else piece
+        rows = (piece.replace(",", ".") if layout.comma else piece).split("\n")
+        table = np.empty((0, 0))
+        with suppress(ValueError, IndexError):
+            if is_plain:
+                table = np.loadtxt(rows, delimiter=separator, usecols=needed, ndmin=2)
+        alike = piece.count(separator) == len(table) * (len(layout.header) - 1)
+        if not (table.size and alike and np.isfinite(table).all()):
+            table = _split_table(piece, text.count("\n", 0, start) + 1, layout)
+        tables.append(table)
+        start = end
+    return np.concatenate(tables)
+
+
+def _seconds(stamp: re.Match[str]) -> str:
+    """Return a time of the day in seconds, with the decimals that it has."""
+    return f"{(int(stamp[1]) * 60 + int(stamp[2])) * 60 + int(stamp[3])}{stamp[4]}"
 
 
 def _number(text: str) -> float:
@@ -294,7 +416,7 @@ def _named(name: str, header: Sequence[str]) -> tuple[int, str]:
     raise CurveError(f"no column {name!r}; the columns are {', '.join(header)}")
 
 
-def _guess(quantity: _Quantity, header: Sequence[str]) -> int | None:
+def _guess(quantity: Quantity, header: Sequence[str]) -> int | None:
     names = [_split(cell)[0] for cell in header]
     for name in quantity.plain.split():
         if names.count(name) == 1:
@@ -304,29 +426,46 @@ def _guess(quantity: _Quantity, header: Sequence[str]) -> int | None:
     matches = [i for i, name in enumerate(names) if name.casefold() in others] or [
         i for i, name in enumerate(names) if name.rpartition(".")[2].casefold() in others
     ]
+    ends = [re.split(r"[./:]", re.sub(r" u\d+/\d+$", "", name))[-1] for name in names]
+    ends = [re.sub(r"[\W_]", "", name).casefold() for name in ends]
+    for pattern in quantity.words.split():
+        matches = matches or [i for i, end in enumerate(ends) if fnmatchcase(end, pattern)]
     if len(matches) > 1:
         candidates = ", ".join(header[i] for i in matches)
         raise CurveError(f"{quantity.meaning} may be any of {candidates}: name the column")
     return matches[0] if matches else None
 
 
-def _unit(cell: str, quantity: _Quantity) -> float:
-    unit = _split(cell)[1].replace("μ", "µ").replace(" ", "")
-    if not unit:
-        return 1.0
+def _known(unit: str, quantity: Quantity) -> str:
+    """Return a unit as it is called here; "" if the quantity has none such."""
+    unit = unit.replace("μ", "µ").replace("·", ".").replace(" ", "")
     # The case of a letter tells milli from mega, and is else of no account.
     same = [name for name in quantity.units if name.lower() == unit.lower()]
-    sizes = {quantity.units[name] for name in (same if unit not in same else [unit])}
-    if len(sizes) != 1:
-        units = ", ".join(quantity.units)
-        raise CurveError(f"{cell}: the unit of the {quantity.meaning} is none of {units}")
-    return sizes.pop()
+    same = [unit] if unit in same else same
+    return same[0] if len({quantity.units[name] for name in same}) == 1 else ""
 
 
-def _table(rows: Rows, separator: str, header: Sequence[str], needed: Sequence[int]) -> Floats:
-    texts = []
-    for number, line in rows:
-        row = _cells(line, separator)
+def _unit(heading: str, notes: Sequence[str], quantity: Quantity) -> str:
+    """Return the unit in a heading, else that in the notes below it: ``mm``, ``mm (Length)``."""
+    name, stated = _split(heading)
+    parts = [part for cell in notes for part in (cell.strip(" []()"), *_split(cell)[::-1])]
+    stated = stated or next((part for part in parts if _known(part, quantity)), "")
+    if not stated and len(notes) == 1 and parts[0] not in _NO_UNIT:
+        stated = parts[0]
+    if stated and not _known(stated, quantity):
+        of, units = quantity.meaning, ", ".join(quantity.units)
+        raise CurveError(f"{name} [{stated}]: the unit of the {of} is none of {units}")
+    return _known(stated, quantity)
+
+
+def _split_table(piece: str, first: int, layout: _Layout) -> Floats:
+    """Return the numbers of lines from `first` on; CurveError with its place if one is none."""
+    header, needed = layout.header, layout.needed
+    texts, numbers = [], []
+    for number, line in enumerate(piece.split("\n"), first):
+        if not _has_cells(line):
+            continue
+        row = _cells(line, layout.separator)
         if line.count('"') % 2:
             raise CurveError(f"line {number}: a quote is not closed on its line")
         if any(row[len(header) :]) or len(row) <= max(needed):
@@ -335,8 +474,8 @@ def _table(rows: Rows, separator: str, header: Sequence[str], needed: Sequence[i
                 "numbers? Write them without"
             )
         texts.append([row[index].strip() for index in needed])
-    numbers = [number for number, _ in rows]
-    comma = "," if _has_decimal_commas(texts, numbers) else "."
+        numbers.append(number)
+    comma = "," if layout.comma or _has_decimal_commas(texts, numbers) else "."
     table = np.array([[_number(text.replace(comma, ".")) for text in row] for row in texts])
     for i, j in np.argwhere(~np.isfinite(table)):
         name, text = header[needed[j]], texts[i][j]
@@ -371,18 +510,21 @@ def _check_points(name: str, column: Floats) -> None:
         )
 
 
-def _increasing(printed: Mapping[str, Floats], text: str) -> NDArray[np.bool_]:
+def _increasing(
+    printed: Mapping[str, Floats], quantities: Mapping[str, Quantity], text: str, start: int
+) -> NDArray[np.bool_]:
     """Return where the samples are, without the first row of each event."""
     t = printed["t"]
     step = np.diff(t)
     repeated = step == 0.0
-    for column in (printed[name] for name in ("x", "F") if name in printed):
+    for column in (printed[name] for name in printed if not quantities[name].jumps):
         repeated &= np.abs(np.diff(column)) <= _SAME * float(np.max(np.abs(column)))
     good = (step > 0.0) | repeated
     if not np.all(good):
         where = int(np.argmin(good)) + 1
+        row = next(islice(_WITH_CELLS.finditer(text, start), where, None))
+        line = text.count("\n", 0, row.start()) + 1
         raise CurveError(
-            f"line {_rows(text)[where][0]}: time does not increase "
-            f"({t[where]:.10g} after {t[where - 1]:.10g})"
+            f"line {line}: time does not increase ({t[where]:.10g} after {t[where - 1]:.10g})"
         )
     return np.append(~repeated, True)

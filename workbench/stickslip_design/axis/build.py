@@ -276,6 +276,8 @@ class Builder:
             for section in self._sections
             if section.startswith("drive.filter")
         ]
+        if "drive.rated_torque" in self._values:
+            numbers["rated_torque"] = self._number("drive.rated_torque")
         on_table = self._text("drive.position") == "table"
         return Drive(**numbers, on_table=on_table, filters=tuple(filters))
 

@@ -27,6 +27,7 @@ _OF_DRIVES: Final = (
     Kind("a rate", "1/s", "25 1/s"),
     Kind("an angular frequency or speed", "rad/s", "300 rad/s"),
     Kind("a frequency", "Hz", "400 Hz"),
+    Kind("a torque constant", "N.m/A", "0.8 N m/A"),
     Kind("counts per turn", "1/turn", "1000000 counts/turn"),
     Kind("a modulus of elasticity", "N/m2", "206 kN/mm2"),
     Kind("an angle", "rad", "0.1 deg"),

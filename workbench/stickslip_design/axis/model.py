@@ -162,6 +162,10 @@ class Drive:
     """Way of the slide per turn of the motor [m]."""
     kind: str = "screw"
     """What is between motor and table: "screw", "belt" or "rotary"."""
+    rated_torque: float | None = None
+    """Torque to which the drive refers its percent [N.m]; None: not stated."""
+    torque_constant: float | None = None
+    """Torque of the motor per current [N.m/A]; None: not stated."""
 
     @property
     def K_p(self) -> float:  # noqa: N802 - the symbol of control engineers

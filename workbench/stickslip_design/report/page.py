@@ -84,6 +84,7 @@ UNITS: Final = {
             "1": "margin amplitude damping real imag gain_margin effort depth clean machines gap "
             "stiffness mass",
             "N": "F_s F_k",
+            "N.m": "rated_torque",
             "N/m": "stiffest",
             "that of `unit` beside it": "now then",
             "SI, as the number that it belongs to": "spread",

@@ -138,7 +138,8 @@ def varying(
             text = vary[path].strip()
             if text != "fixed":
                 found[path] = _within(file, path, _read(file, path, number, text, spread_is))
-        elif number.spread:
+        # That of a torque constant is of records, and moves nothing.
+        elif number.spread and path != "drive.torque_constant":
             found[path] = _within(file, path, _around(number.value, number.spread, spread_is))
     if not found:
         raise AxisError(
