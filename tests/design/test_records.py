@@ -150,6 +150,19 @@ def test_a_force_is_taken_before_torque_and_current_unless_one_of_those_is_named
     assert named.force == pytest.approx(0.8 * PER_TURN * F)
 
 
+def test_a_scope_with_a_time_beside_each_channel_must_have_one_sample_time(tmp_path: Path) -> None:
+    notes = "SampleTime[ms],1,SampleTime[ms],1\nUnit,mm (Length),Unit,N (Force)\n\n"
+    text = f"Name,ActPos,Name,ActualForce\n{notes}" + "".join(
+        f"{1e3 * t:g},{1e3 * x:g},{1e3 * t:g},{f:g}\n" for t, x, f in zip(T, X, F, strict=True)
+    )
+    record = read(tmp_path, text)
+    assert record.t == pytest.approx(T)
+    assert record.position == pytest.approx(X)
+    assert record.force == pytest.approx(F)
+    with pytest.raises(CurveError, match="export those of one sample time"):
+        read(tmp_path, text.replace("7,28,7", "7,28,7.5"))
+
+
 def test_turns_of_the_motor_become_the_speed_of_the_slide(tmp_path: Path) -> None:
     record = read(tmp_path, "t,position,Speed actual value [rpm]\n" + rows(), SCREW)
     assert record.velocity == pytest.approx(F * 0.01 / 60.0)

@@ -258,8 +258,10 @@ def read_columns(file: Path, wanted: Wanted) -> tuple[dict[str, Floats], dict[st
         raise CurveError("has no samples below its header")
     table = _table(text, layout)
     printed = {name: table[:, i].copy() for i, name in enumerate(units)}
-    for index, column in zip(layout.needed, printed.values(), strict=True):
+    for index, column in zip(layout.needed, printed.values(), strict=False):
         _check_points(layout.header[index], column)
+    if not (table[:, len(units) :] == table[:, :1]).all():
+        raise CurveError("has channels with times of their own: export those of one sample time")
     if sampled and unit:
         t = np.arange(len(table), dtype=np.float64) * float(sampled[1])
         return {"t": t, **printed}, {"t": unit, **units}
@@ -307,7 +309,7 @@ def _layout(text: str, wanted: Wanted) -> tuple[_Layout, dict[str, str]]:
         for below in islice(_WITH_CELLS.finditer(text, start), _MOST_ABOVE):
             row = _cells(_STAMP.sub(_seconds, below[0]), separator) + [""] * len(header)
             # TwinCAT Scope has numbers in its notes, each behind the name of the note.
-            is_note = header[needed[0]] == "Name" and row[needed[0]][:1].isalpha()
+            is_note = header[0] == "Name" and row[0][:1].isalpha()
             if not is_note and any(_is_number(row[index]) for index in needed):
                 break
             notes.append(row)
@@ -316,6 +318,10 @@ def _layout(text: str, wanted: Wanted) -> tuple[_Layout, dict[str, str]]:
             name: _unit(heading, [row[index] for row in notes], wanted.quantities[name])
             for name, (index, heading) in columns.items()
         }
+        # It has a time beside each channel, too.
+        times = [index for index, cell in enumerate(header) if cell == "Name"]
+        beside = {max(i for i in times if i <= index) for index in needed} if times[1:] else set()
+        needed += sorted(beside - set(needed)) if "t" in columns else []
         comma = separator != "," and text.find(".", start) < 0 and _NO_THOUSANDS.search(text, start)
         return _Layout(separator, header, needed, start, bool(comma)), units
     if not refusals:
@@ -430,7 +436,7 @@ def _guess(quantity: Quantity, header: Sequence[str]) -> int | None:
     ends = [re.sub(r"[\W_]", "", name).casefold() for name in ends]
     for pattern in quantity.words.split():
         matches = matches or [i for i, end in enumerate(ends) if fnmatchcase(end, pattern)]
-    if len(matches) > 1:
+    if len(matches) > 1 and {names[i] for i in matches} != {"Name"}:
         candidates = ", ".join(header[i] for i in matches)
         raise CurveError(f"{quantity.meaning} may be any of {candidates}: name the column")
     return matches[0] if matches else None
