@@ -238,8 +238,14 @@ def of_axis(folder: Path) -> Iterator[Row]:
         yield Row(what, "axis", times, "in Python", 0.1, at_most)
     draw = np.random.default_rng(1).uniform
     changes = {"axis.mass": draw(300.0, 800.0, 50), "axis.stiffness": draw(2e7, 8e7, 50)}
-    times = best_of(1, lambda: axis_points(file, changes, (5e-4,)), count=50)
-    yield Row("map of an axis with its loop", "point", times, at_most=30e-3)
+    stated = {
+        "constant": "", "growing at rest": 'tau_s = "0.5 s"',
+        "falling": 'law = "stribeck"\nv_s = "5 mm/s"\ndelta = 2.0',
+    }  # fmt: skip
+    for law, more in stated.items():
+        variant = axis_file_of(example().replace("[friction]", f"[friction]\n{more}"))
+        times = best_of(1, partial(axis_points, variant, changes, (5e-4,)), count=50)
+        yield Row(f"map of an axis with its loop, friction {law}", "point", times, at_most=30e-3)
     (folder / "axis.toml").write_text(example(), encoding="utf-8")
     words = [Path(sys.executable).with_name("stickslip"), "design", "axis.toml"]
     env = {**os.environ, "OPENBLAS_NUM_THREADS": "1"}

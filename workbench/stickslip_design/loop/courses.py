@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from functools import cache, cached_property, partial
+from functools import cache, cached_property
 from itertools import pairwise, takewhile
 from typing import Final, Literal, NamedTuple
 
@@ -79,7 +79,6 @@ class Courses:
     def __init__(self, axis: Axis, feed: float) -> None:
         self._axis, self._feed = axis, feed
         self._system = system_of(axis)
-        self._decays = cache(partial(decays, self._system))
 
     @one_thread
     def course(self, begin: Begin) -> Course:
@@ -164,7 +163,7 @@ class Courses:
         # What holds is loaded by the feed; a drive that lags or turns back takes longer.
         longest = _LONGEST * period + _SLOW * settling(axis)
         end, ends = 8.0 * axis.F_s / (axis.k * feed) + longest, feed / ramp if ramp else math.inf
-        even = settling(axis) if self._decays(self._system.line(feed)) else math.inf
+        even = settling(axis) if decays(self._system, self._system.line(feed)) else math.inf
         watched = Watched(end, longest, longest, _MOST, ends, feed, _BESIDE * period, settles=even)
         return walk(self._system, mode, point, watched)
 
@@ -194,7 +193,8 @@ class Courses:
 
         The last `count` events are extremes.
         """
-        if count < _SWINGS:
+        swings = abs(events[-1].speed / self._feed - 1.0) >= SETTLED
+        if count < _SWINGS or (swings and count < 3 * _LAST):
             return None
         last = [event.speed for event in events[-_SWINGS:]]
         off = max(abs(speed / self._feed - 1.0) for speed in last)
@@ -226,7 +226,8 @@ class Courses:
         low, high = min(self._feed, *run), max(self._feed, *run)
         lines = enumerate(self._system.lines)
         return any(
-            line.low <= low and high <= line.high and self._decays(number) for number, line in lines
+            line.low <= low and high <= line.high and decays(self._system, number)
+            for number, line in lines
         )
 
     def _swing(self, run: list[Turn]) -> Swinging:
@@ -373,14 +374,24 @@ def jump_ranges(axis: Axis) -> tuple[Interval, ...]:
     those of the demand. The upper end of a range is that of `limit_of_jumps`, or found by halving
     as the lower end is. Narrower ranges than between two feeds may be missed.
     """
+    return merged([*ranges_from_above(axis, lower_ends=True)])
+
+
+def ranges_from_above(axis: Axis, *, lower_ends: bool = False) -> Iterator[Interval]:
+    """Yield the ranges of `jump_ranges` from the highest down, each as soon as it is met.
+
+    Without `lower_ends` a range that was scanned begins at the highest feed that met it [m/s].
+    """
     begin, asked = beginnings(axis), axis.demand.feeds
     if axis.friction.law != "coulomb":
-        return merged(_scanned(axis, sorted({*begin, *asked}), 0.0))
+        yield from _scanned(axis, sorted({*begin, *asked}), 0.0, lower_ends)
+        return
     limit = limit_of_jumps(axis).feed
     first = limit * _RUNG or begin[0]
     feeds = {first * _RUNG**number for number in range(_RUNGS)} if first > 0.0 else set()
     feeds.update(feed for feed in asked if feed > limit)
-    return merged([*up_to(limit), *_scanned(axis, sorted(feeds), limit or begin[-1])])
+    yield from _scanned(axis, sorted(feeds), limit or begin[-1], lower_ends)
+    yield from up_to(limit)
 
 
 def up_to(feed: float) -> tuple[Interval, ...]:
@@ -388,23 +399,26 @@ def up_to(feed: float) -> tuple[Interval, ...]:
     return (Interval(0.0, feed, "none", "grazing"),) if feed > 0.0 else ()
 
 
-def _scanned(axis: Axis, feeds: list[float], below: float) -> list[Interval]:
-    """Return the ranges that a scan of rising feeds meets; a first one may begin at `below`."""
-    forms = [_forms(axis, feed) for feed in feeds]
-    found: list[Interval] = []
-    for first in range(len(feeds)):
-        if not forms[first] or (first and forms[first - 1]):
+def _scanned(axis: Axis, feeds: list[float], below: float, lower_ends: bool) -> Iterator[Interval]:
+    """Yield the ranges that a scan of rising feeds meets; the lowest may begin at `below`."""
+
+    @cache
+    def forms(number: int) -> bool:
+        return 0 <= number < len(feeds) and _forms(axis, feeds[number])
+
+    for last in reversed(range(len(feeds))):
+        if forms(last + 1) or not forms(last):
             continue
-        last = next((n for n in range(first, len(feeds)) if not forms[n]), len(feeds)) - 1
-        without = feeds[first - 1] if first else below
-        from_slowest = not first and (below == 0.0 or _forms(axis, below))
-        low = 0.0 if from_slowest else _end(axis, feeds[first], without)
-        high = limit_of_jumps(axis, begin=feeds[last]).feed
-        if high < feeds[last] and last + 1 < len(feeds):
-            high = _end(axis, feeds[last], feeds[last + 1])
-        high = max(high, feeds[last])
-        found.append(Interval(low, high, "grazing" if low > 0.0 else "none", "grazing"))
-    return found
+        low, high = feeds[last], limit_of_jumps(axis, begin=feeds[last]).feed
+        if high < low and last + 1 < len(feeds):
+            high = _end(axis, low, feeds[last + 1])
+        high = max(high, low)
+        if lower_ends:
+            first = next(n for n in range(last, -1, -1) if not forms(n - 1))
+            from_slowest = not first and (below == 0.0 or _forms(axis, below))
+            without = feeds[first - 1] if first else below
+            low = 0.0 if from_slowest else _end(axis, feeds[first], without)
+        yield Interval(low, high, "grazing" if low > 0.0 else "none", "grazing")
 
 
 def _forms(axis: Axis, feed: float) -> bool:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from functools import cache, partial
 from typing import Final, NamedTuple
 
 import numpy as np
@@ -36,6 +35,11 @@ _RUNG: Final = 1.5
 """From feed to feed where jumps are looked for, if friction changes with the speed."""
 _SLOWER, _FASTER = 0.02, 5.0
 """How far these reach beyond the speeds of the friction and of the jumps."""
+_LEFT: Final = 1e-2
+"""What is left of a fall, relative, where it counts as over."""
+_WITHIN: Final = 0.2
+"""Share of the first line's end up to which a slip of a slow feed stays on it."""
+_ROUNDING: Final = 1e-9
 _MOST: Final = 1_000
 """Steps of a search."""
 
@@ -72,7 +76,6 @@ class Jumping:
         self._system = system_of(axis)
         self.feed = feed
         self._at = loaded(self._system, feed)
-        self._decays = cache(partial(decays, self._system))
 
     def at(self, feed: float) -> list[Jump] | None:
         """Return the jumps of some cycles at a feed [m/s]; None, and stay, where they end."""
@@ -82,7 +85,7 @@ class Jumping:
         rests = slips + _SLOW * settling(axis)
         # The least speed comes within a swing; where the friction falls, going on so could grow
         # without end.
-        even = settling(axis) if self._decays(self._system.line(feed)) else math.inf
+        even = settling(axis) if decays(self._system, self._system.line(feed)) else math.inf
         watched = Watched(slips, slips, rests, least=2.0 * math.pi / w, rebased=True, settles=even)
         following = walk(self._system, Mode(0, 1), self._moved(feed), watched)
         turns = following.turns(1)
@@ -198,11 +201,20 @@ def beginnings(axis: Axis) -> list[float]:
     if axis.friction.law == "coulomb":
         return [share * whole for share in _BEGINNINGS]
     # Where friction changes with the speed a cycle may begin above a feed, and begin again.
-    knots = [line.low for line in system_of(axis).lines[1:]]
-    scales = [scale for scale in (*knots, axis.F_s / axis.k * w) if scale > 0.0]
+    lines = system_of(axis).lines
+    speeds = (*(line.low for line in lines[1:]), axis.F_s / axis.k * w)
+    scales = [scale for scale in speeds if scale > 0.0]
     low, high = _SLOWER * min(scales), _FASTER * max(scales)
     count = math.ceil(math.log(high / low) / math.log(_RUNG))
-    return [high * (low / high) ** (number / count) for number in range(count + 1)]
+    feeds = [high * (low / high) ** (number / count) for number in range(count + 1)]
+    # Beyond the fall nothing changes. On a first line that begins at the break-away force the
+    # motion is linear and scales with the feed: one slow feed stands for all below.
+    left = _LEFT * abs(lines[0].force - lines[-1].force)
+    ends = [line.low for line in lines if abs(line.force - lines[-1].force) > left]
+    fastest = _FASTER * max([*ends, axis.F_s / axis.k * w])
+    continuous = abs(lines[0].force - axis.F_s) <= _ROUNDING * axis.F_s
+    slow = [feed for feed in feeds if continuous and feed < _WITHIN * lines[0].high]
+    return [feed for feed in feeds if feed <= fastest and feed not in slow[1:]]
 
 
 def _least(jumps: list[Jump]) -> float:

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable
-from functools import lru_cache
+from functools import cache, lru_cache
 from typing import Any, Final, NamedTuple
 
 import numpy as np
@@ -226,6 +226,11 @@ class Watched(NamedTuple):
     """The time after which motion within 1 % of the feed is taken as even for good."""
 
 
+@cache
+def _mode_of(table: float, motor: float, line: float) -> Mode:
+    return Mode(int(table), int(motor), int(line))
+
+
 _motion_of = lru_cache(maxsize=8)(Motion)
 
 
@@ -269,7 +274,7 @@ class _NativeWalk:
         rows = np.empty((count, COLUMNS))
         found = self._native.walk(self._walk, rows)
         return [
-            Turn(EVENTS[int(event)], time, place, speed, Mode(*map(int, mode)), least)
+            Turn(EVENTS[int(event)], time, place, speed, _mode_of(*mode), least)
             for event, time, place, speed, least, *mode in rows[:found].tolist()
         ]
 

@@ -58,9 +58,9 @@ class NativeWalk(Structure):
     )
 
 
-def _block(size: int) -> int:
-    """Return how many numbers a block in C takes, of states of a size."""
-    return 2 + size * (size + 3 * 65)
+def _blocks(size: int) -> int:
+    """Return how many numbers the blocks of a mode in C take, of states of a size."""
+    return sum(2 + size * (size + 3 * ends) for ends in (9, 65))
 
 
 class Native:
@@ -83,7 +83,7 @@ class Native:
             "lengths": lengths, "offsets": system.offsets, "rates": rates, "forces": forces,
             "decays": np.exp(-np.outer(ends, rates)), "lines": np.array(system.lines),
             "control": entries, "steps": np.zeros(9 * len(system.lines) * 2 * _STEP),
-            "blocks": np.zeros((2 + 4 * len(system.lines)) * _block(layout.size)),
+            "blocks": np.zeros((3 + 6 * len(system.lines)) * _blocks(layout.size)),
             "scratch": np.empty(3 * layout.size), "lates": np.array(lates, np.intc),
         }  # fmt: skip
         self._library = library

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from functools import lru_cache
 from typing import Final, Literal, NamedTuple
 
 import numpy as np
@@ -102,6 +103,7 @@ def settling(axis: Axis) -> float:
     return 8.0 * math.pi * math.sqrt(axis.m / axis.k) + 4.0 * slowest
 
 
+@lru_cache(maxsize=256)
 def decays(system: System, line: int) -> bool:
     """Return whether even motion decays where the friction of the table is one of its lines."""
     return bool(np.abs(_eigenvalues(system, Mode(1, 1, line))).max() < 1.0)

@@ -32,10 +32,10 @@ enum event {
     DIP
 };
 enum { MOST_MARGINS = 5, TERMS = 15, TERMS_OF_STATE = 19 };
-/* Samples of a block, which is passed at once where no event can come; a block is computed the
- * LONG-th time it is asked for, and no more than FEW_PARTS of a sample may be needed. */
-enum { BLOCK = 64, LONG = 4, FEW_PARTS = 10, SEEN = 3 };
-enum { SEEN_ALL = SEEN * (BLOCK + 1) };
+/* Samples of a short and of a long block, which is passed at once where no event can come; a block
+ * is computed the OFTEN-th time it is asked for, and no more than FEW_PARTS of a sample may be
+ * needed. As many short blocks in a row as a long one has are followed by long ones. */
+enum { SHORT = 8, LONG = 64, OFTEN = 4, FEW_PARTS = 10, SEEN = 3 };
 
 /* What is left of a part of a sample counts as none, relative to the sample. */
 static const double NONE = 1e-12;
@@ -59,8 +59,8 @@ struct axis {
     const struct line *lines;
     const struct entry *control;
     double *steps;    /* of each mode, early and late in a sample: the step over a part */
-    double *blocks;   /* of each mode in which the motor moves: how long it was followed
-                         sample by sample, whether its block is known, the block */
+    double *blocks;   /* of each mode and both lengths: how often it was asked for, whether it
+                         is known, the block */
     double *scratch;  /* three states */
     const int *lates; /* which of the last commanded forces acts in a part */
     int size, commands, command, feed, acceleration, ungrown, growth, one;
@@ -232,11 +232,14 @@ static void move_piece(const struct axis *axis, struct mode mode, plant_rates ra
         add_product(step, state, push_in(axis, state, part), state[axis->one], change);
     } else {
         changes_of(rates, state, push_in(axis, state, part), state[axis->one], term);
-        for (int order = 1; order < TERMS_OF_STATE; order++) {
+        for (int order = 1, more = 1; more && order < TERMS_OF_STATE; order++) {
             double next[PLANT];
+            more = 0;
             for (int place = 0; place < PLANT; place++) {
+                const double before = change[place];
                 term[place] *= length / order;
                 change[place] += term[place];
+                more |= change[place] != before;
             }
             changes_of(rates, term, 0.0, 0.0, next);
             memcpy(term, next, sizeof term);
@@ -396,38 +399,45 @@ static double crossing(struct margin begin, struct margin end, double length)
 }
 
 /* What tells whether an event can come: the speed of the table, or the stretch of the spring; the
- * speed of the motor; the acceleration of the table. */
+ * speed of the motor, or the force on it at rest; the acceleration of the table. */
 static void see(const struct axis *axis, struct mode mode, const double state[], double seen[SEEN])
 {
     plant_rates rates;
     double change[PLANT];
     rates_of(axis, mode, rates);
     changes_of(rates, state, 0.0, state[axis->one], change);
-    seen[0] = mode.table ? state[SPEED] : state[MOTOR] - state[TABLE];
-    seen[1] = state[MOTOR_SPEED];
+    const double stretch = state[MOTOR] - state[TABLE];
+    const double force = axis->lag > 0.0 ? state[FORCE] : push_in(axis, state, axis->parts - 1);
+    seen[0] = mode.table ? state[SPEED] : stretch;
+    seen[1] = mode.motor ? state[MOTOR_SPEED] : force - axis->k * stretch;
     seen[2] = change[SPEED];
 }
 
-/* What a block makes of a state, [column][place], and what is seen at each of its samples,
- * [column][sample][what]; NULL as long as it would not pay. */
-static const double *block_of(const struct axis *axis, struct mode mode)
+/* What a block of so many samples makes of a state, [column][place], and what is seen at the ends
+ * of its samples, [what][column][end]; NULL as long as it would not pay. */
+static const double *block_of(const struct axis *axis, struct mode mode, size_t samples)
 {
-    const size_t size = (size_t)axis->size, length = 2 + size * (size + SEEN_ALL);
+    const size_t size = (size_t)axis->size, ends = samples + 1;
     const int slip = mode.table ? 1 + 2 * mode.line + (mode.table > 0) : 0;
-    const int number = 2 * slip + (mode.motor > 0);
-    double *known = axis->blocks + (size_t)number * length, *block = known + 2;
+    const size_t number = (size_t)(3 * slip + mode.motor + 1);
+    const size_t length = 2 + size * (size + SEEN * (SHORT + 1));
+    double *known = axis->blocks + number * (2 * length + size * SEEN * (LONG - SHORT));
+    known += samples == LONG ? length : 0;
+    double *block = known + 2;
     if (known[1] == 0.0) {
-        if (known[0]++ < LONG)
+        if (known[0]++ < OFTEN)
             return NULL;
         known[1] = 1.0;
         for (size_t column = 0; column < size; column++) {
-            double *state = block + column * size, *seen = block + size * size + column * SEEN_ALL;
+            double *state = block + column * size, seen[SEEN];
             memset(state, 0, size * sizeof *state);
             state[column] = 1.0;
-            see(axis, mode, state, seen);
-            for (size_t sample = 1; sample <= BLOCK; sample++) {
-                stickslip_over_sample(axis, &mode, 1, state, 1);
-                see(axis, mode, state, seen + sample * SEEN);
+            for (size_t end = 0; end < ends; end++) {
+                if (end > 0)
+                    stickslip_over_sample(axis, &mode, 1, state, 1);
+                see(axis, mode, state, seen);
+                for (size_t what = 0; what < SEEN; what++)
+                    block[size * (size + what * ends) + column * ends + end] = seen[what];
             }
         }
     }
@@ -438,12 +448,19 @@ struct range {
     double low, high, change; /* over a block, and the most from sample to sample */
 };
 
-static struct range range_of(const double values[])
+/* The range of something that is seen, and its values at the ends of the samples. */
+static inline struct range range_of(const double *block, size_t size, size_t samples, size_t what,
+                             const double state[], double values[])
 {
+    const size_t ends = samples + 1;
+    const double *seen = block + size * (size + what * ends);
+    memset(values, 0, ends * sizeof *values);
+    for (size_t column = 0; column < size; column++)
+        for (size_t end = 0; end < ends; end++)
+            values[end] += seen[column * ends + end] * state[column];
     struct range range = {values[0], values[0], 0.0};
-    for (size_t sample = 1; sample <= BLOCK; sample++) {
-        const double value = values[SEEN * sample];
-        const double change = fabs(value - values[SEEN * (sample - 1)]);
+    for (size_t end = 1; end < ends; end++) {
+        const double value = values[end], change = fabs(value - values[end - 1]);
         range.low = value < range.low ? value : range.low;
         range.high = value > range.high ? value : range.high;
         range.change = change > range.change ? change : range.change;
@@ -460,45 +477,46 @@ static int stays_above(struct range range, double sign, double limit)
 
 /* Pass a block of samples; 0 and nothing if an event may come. For static friction that of the
  * beginning is taken, as it only grows. */
-static int pass_block(const struct axis *axis, struct motion *motion, enum event extreme,
-                      double elapsed)
+static inline int pass_block(const struct axis *axis, struct motion *motion, enum event extreme,
+                      size_t samples, double elapsed)
 {
     const struct mode mode = motion->mode;
-    const double *block = block_of(axis, mode), *state = motion->state;
+    const double *block = block_of(axis, mode, samples), *state = motion->state;
     const double one = state[axis->one], feed = state[axis->feed];
     const size_t size = (size_t)axis->size;
-    struct range seen[SEEN];
-    double values[SEEN_ALL] = {0.0}, off = -1.0;
+    double values[LONG + 1], off = -1.0;
     if (block == NULL)
         return 0;
-    for (size_t column = 0; column < size; column++)
-        for (size_t number = 0; number < SEEN_ALL; number++)
-            values[number] += block[size * size + column * SEEN_ALL + number] * state[column];
-    for (size_t what = 0; what < SEEN; what++)
-        seen[what] = range_of(values + what);
-    for (size_t sample = 0; sample <= BLOCK; sample++)
-        if (fabs(values[SEEN * sample] - feed) > motion->band * feed)
-            off = (double)sample * axis->sample;
-    const double away = fmax(seen[0].high - feed, feed - seen[0].low);
+    const struct range seen = range_of(block, size, samples, 0, state, values);
+    const double away = fmax(seen.high - feed, feed - seen.low);
     const int even = mode.table > 0 && state[axis->acceleration] == 0.0 && away < EVEN * feed;
     if (!even)
         motion->near = 0.0;
-    if (axis->dry > 0.0 && !stays_above(seen[1], mode.motor, 0.0))
-        return 0;
     if (mode.table) {
         const struct line *line = &axis->lines[mode.line];
-        if (!stays_above(seen[0], mode.table, line->low * one) ||
-            !stays_above(seen[0], -mode.table, -line->high * one))
+        if (!stays_above(seen, mode.table, line->low * one) ||
+            !stays_above(seen, -mode.table, -line->high * one))
             return 0;
-        if (extreme != TIME && !stays_above(seen[2], extreme == PEAK ? 1.0 : -1.0, 0.0) &&
-            !(even && away < STILL * feed))
+        for (size_t end = 0; end <= samples; end++)
+            if (fabs(values[end] - feed) > motion->band * feed)
+                off = (double)end * axis->sample;
+        if (extreme != TIME && !(even && away < STILL * feed) &&
+            !stays_above(range_of(block, size, samples, 2, state, values),
+                         extreme == PEAK ? 1.0 : -1.0, 0.0))
             return 0;
     } else {
         double held = axis->fully * one;
         for (int number = 0; number < axis->growth; number++)
             held -= axis->forces[number] * state[axis->ungrown + number];
-        if (!stays_above(seen[0], -1.0, (axis->along * one - held) / axis->k) ||
-            !stays_above(seen[0], 1.0, -(held + axis->along * one) / axis->k))
+        if (!stays_above(seen, -1.0, (axis->along * one - held) / axis->k) ||
+            !stays_above(seen, 1.0, -(held + axis->along * one) / axis->k))
+            return 0;
+    }
+    if (axis->dry > 0.0) {
+        const struct range motor = range_of(block, size, samples, 1, state, values);
+        if (mode.motor ? !stays_above(motor, mode.motor, 0.0)
+                       : !stays_above(motor, 1.0, -axis->dry * one) ||
+                             !stays_above(motor, -1.0, -axis->dry * one))
             return 0;
     }
     double *next = axis->scratch;
@@ -508,7 +526,7 @@ static int pass_block(const struct axis *axis, struct motion *motion, enum event
             next[place] += block[column * size + place] * state[column];
     memcpy(motion->state, next, size * sizeof *next);
     if (even)
-        motion->near += BLOCK * axis->sample;
+        motion->near += (double)samples * axis->sample;
     if (mode.table && off >= 0.0)
         motion->off = motion->passed + elapsed + off;
     return 1;
@@ -522,9 +540,8 @@ static enum event follow(const struct axis *axis, struct motion *motion, enum ev
 {
     const struct mode mode = motion->mode;
     double *state = motion->state, *offset = &motion->offset;
-    const double block = BLOCK * axis->sample;
-    const int blocks = !extreme_alone && mode.motor && axis->parts <= FEW_PARTS;
-    int stay = 0;
+    const int blocks = !extreme_alone && axis->parts <= FEW_PARTS;
+    int stay = 0, row = 0;
     double push = NAN;
     struct margin begin[MOST_MARGINS], end[MOST_MARGINS] = {{TIME, 0.0, 0.0}};
     plant_rates rates;
@@ -532,16 +549,22 @@ static enum event follow(const struct axis *axis, struct motion *motion, enum ev
     *elapsed = 0.0;
     for (;;) {
         if (*offset == 0.0) {
-            while (blocks && stay == 0 && until - *elapsed > block) {
-                if (!pass_block(axis, motion, extreme, *elapsed)) {
-                    stay = BLOCK;
-                    break;
-                }
-                push = NAN;
-                *elapsed += block;
-                if (motion->near > settles) {
-                    *elapsed = until;
-                    return TIME;
+            while (blocks && stay == 0) {
+                const size_t samples = row < LONG / SHORT ? SHORT : LONG;
+                const double block = (double)samples * axis->sample;
+                if (until - *elapsed > block &&
+                    (samples == SHORT ? pass_block(axis, motion, extreme, SHORT, *elapsed)
+                                      : pass_block(axis, motion, extreme, LONG, *elapsed))) {
+                    push = NAN;
+                    row++;
+                    *elapsed += block;
+                    if (motion->near > settles) {
+                        *elapsed = until;
+                        return TIME;
+                    }
+                } else {
+                    stay = samples == SHORT ? SHORT : 0;
+                    row = 0;
                 }
             }
             stay -= stay > 0;

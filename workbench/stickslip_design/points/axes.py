@@ -7,24 +7,27 @@ laws and servo loops are computed point by point.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
 from difflib import get_close_matches
 from functools import partial
-from typing import Any
+from typing import Any, Final
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from stickslip_ref import Interval, coulomb_limit, critical_velocity, steady_cycle
+from stickslip_ref import STICKS, Interval, coulomb_limit, critical_velocity, steady_cycle
 
 from ..axis import Axis, AxisError, AxisFile, Number
 from ..axis.keys import UNITS, key_of
-from ..loop.courses import up_to
-from ..loop.critical import BESIDE, jumps_of, kind_beside, limits_of
+from ..loop.courses import ranges_from_above, up_to
+from ..loop.critical import BESIDE, jumps_of, kind_beside
 from ..loop.jumps import limit_of_jumps
 from ..loop.stability import is_stable
+from ..one_thread import one_thread
 from .columns import WITHOUT_FEED, Floats, Regime
+
+_NOWHERE: Final = Interval(0.0, 0.0, "none", "none")
 
 
 def axis_points(
@@ -38,7 +41,7 @@ def axis_points(
 
     `changes` are arrays of shape (n,) by the name of a number in the file, ``axis.mass``, in the SI
     unit in which the file states it; what else the file states is held, zeta and forces too. Feeds
-    [m/s] are above 0. With `regimes_only`, which takes a tenth of the time, jump and rate are NaN,
+    [m/s] are above 0. With `regimes_only`, which takes less time, jump and rate are NaN,
     and without closed forms the critical feed. The results of a point depend on its own numbers
     alone. A closed form takes 1 us a point, another friction law or a loop 1 to 100 ms.
 
@@ -133,6 +136,7 @@ def _closed(
         found["regime"][:, column] = np.where(cycle.exists, Regime.STICKS, Regime.EVEN)
 
 
+@one_thread
 def _each(
     found: dict[str, NDArray[Any]], file: AxisFile, changes: Mapping[str, Floats],
     feeds: Sequence[float], regimes_only: bool,
@@ -165,20 +169,23 @@ def _regimes(
     friction = axis.friction
     critical = math.nan
     if axis.drive is not None:
-        jumps: tuple[Interval, ...] = ()
+        ranges: Iterator[Interval] = iter(())
         if not regimes_only:
-            limits = limits_of(axis)
-            critical, jumps = limits.highest, limits.cycle
+            ranges = ranges_from_above(axis)
         elif friction.law == "coulomb":
             # A cycle that does not form at slow feeds may do so above them all.
             reached = limit_of_jumps(axis, max(feeds)).feed or limit_of_jumps(axis).feed
-            jumps = up_to(reached)
-        return critical, [
-            Regime.STICKS
-            if any(v in interval for interval in jumps)
-            else Regime[kind_beside(axis, v).upper()]
-            for v in feeds
-        ]
+            ranges = iter(up_to(reached))
+        jumps = next(ranges, _NOWHERE)
+        critical = math.nan if regimes_only else jumps.high
+        kinds: dict[float, Regime] = {}
+        for v in sorted(feeds, reverse=True):
+            kind = STICKS if v in jumps else kind_beside(axis, v)
+            while kind != STICKS and v < jumps.low:
+                jumps = next(ranges, _NOWHERE)
+                kind = STICKS if v in jumps else kind
+            kinds[v] = Regime[kind.upper()]
+        return critical, [kinds[v] for v in feeds]
     search = partial(critical_velocity, axis.block(1.0), friction.law, friction.own)
     if regimes_only:
         found = [search((v * (1.0 - BESIDE), v)) for v in feeds]
