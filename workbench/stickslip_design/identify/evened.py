@@ -73,6 +73,8 @@ class Filtered(NamedTuple):
     v: Floats
     a: Floats
     force: Floats | None
+    wanted: tuple[Floats, Floats] | None
+    """Commanded speed and acceleration."""
 
 
 def low_pass(s: Floats, step: float, corner: float) -> Floats:
@@ -84,14 +86,19 @@ def low_pass(s: Floats, step: float, corner: float) -> Floats:
 def filtered(run: Even, corner: float) -> Filtered:
     """Return a run through the low pass with a corner [Hz]; ends of three samples are left out."""
     inner = slice(_MARGIN, -_MARGIN)
-    x = low_pass(run.position, run.step, corner)
-    v = np.convolve(x, _FIRST[::-1], "same") / run.step
-    a = np.convolve(x, _SECOND, "same") / run.step**2
+
+    def derived(column: Floats) -> tuple[Floats, Floats, Floats]:
+        x = low_pass(column, run.step, corner)
+        v = np.convolve(x, _FIRST[::-1], "same") / run.step
+        a = np.convolve(x, _SECOND, "same") / run.step**2
+        return x[inner], v[inner], a[inner]
+
+    x, v, a = derived(run.position)
     if run.velocity is not None:
-        v = low_pass(run.velocity, run.step, corner)
-        a = np.convolve(v, _FIRST[::-1], "same") / run.step
+        v, a, _ = derived(run.velocity)
     force = None if run.force is None else low_pass(run.force, run.step, corner)[inner]
-    return Filtered(run.t[inner], x[inner], v[inner], a[inner], force)
+    wanted = None if run.command is None else derived(run.command)[1:]
+    return Filtered(run.t[inner], x, v, a, force, wanted)
 
 
 class Scatter(NamedTuple):

@@ -9,18 +9,13 @@ from typing import Final
 import numpy as np
 
 from ..axis import Axis
-from .evened import evened
-from .excitation import excitation
+from .excitation import driven
 from .model import Identified, Number, Record
-from .steady import LEAST_SPEEDS, SHARE, plateaus, steady_runs
 
-_APART: Final = 0.05
-"""Two speeds differ by more than this part."""
 _MOST_MU, _LEAST_MU = 2.0, 1e-4
-_FASTEST, _STRONGEST = 10.0, 200.0
-"""What no feed axis has: coefficients of friction, speeds [m/s], accelerations [m/s2]."""
+"""What no guideway has."""
 _OTHER: Final = 3.0
-"""A mass so many times that of the axis, or its part, is none of it."""
+"""A mass, or a way, so many times what is stated, or its part, is in another unit."""
 _NEXT: Final = {
     "axis.mass": "accelerate twice as hard, or four times as often",
     "axis.c": "run at twice the speed, or four times as long",
@@ -38,7 +33,7 @@ def identify(record: Record, axis: Axis | None = None) -> Identified:
     """
     if axis is not None and axis.turns:
         raise ValueError("a rotary table is not identified: records are of a slide, in m and N")
-    found = _of_kind(record, axis)
+    found = driven(record, axis)
     faults = (*found.residual.faults, *_implausible(found, record, axis))
     return replace(
         found,
@@ -48,26 +43,13 @@ def identify(record: Record, axis: Axis | None = None) -> Identified:
     )
 
 
-def _of_kind(record: Record, axis: Axis | None) -> Identified:
-    runs = evened(record)
-    steady, share = plateaus(runs, record.rounding.get("position", 0.0))
-    if share >= SHARE and _count([each.speed for each in steady]) >= LEAST_SPEEDS:
-        return steady_runs(record, steady, axis)
-    return excitation(record, axis)
-
-
-def _count(speeds: list[float]) -> int:
-    """Return how many speeds differ, with their sign."""
-    count, last = 0, -np.inf
-    for speed in sorted(speeds):
-        if speed - last > _APART * abs(speed):
-            count, last = count + 1, speed
-    return count
-
-
 def _implausible(found: Identified, record: Record, axis: Axis | None) -> Iterator[str]:
     """Yield what no feed axis has: a unit is likely wrong."""
     known = {number.name: number for number in found.numbers if number.known}
+    if record.command is not None and record.position is not None:
+        ratio = float(np.ptp(record.position) / max(np.ptp(record.command), 1e-300))
+        if not 1.0 / _OTHER < ratio < _OTHER:
+            yield f"the way is {ratio:.3g} times the commanded one: is a unit wrong?"
     mass = known["axis.mass"].value if "axis.mass" in known else axis.m if axis else None
     load, g = (axis.load, axis.g) if axis else (0.0, 9.81)
     if mass is not None and "friction.F_k" in known:
