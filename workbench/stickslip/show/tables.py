@@ -24,6 +24,7 @@ if TYPE_CHECKING:
 
     import stickslip_ref
     from stickslip.runs import Run
+    from stickslip_design.identify.model import Identified
     from stickslip_design.report.tables import Grid
     from stickslip_design.verdict import Verdict
     from stickslip_ref import CriticalVelocity, Regime
@@ -405,6 +406,26 @@ def design_summary(verdict: Verdict) -> RenderableType:
         parts.append(of_grid(tables.Grid(head, rows, frozenset(range(1, len(head))))))
     if others := tables.others(verdict):
         parts.append(Text(f"other measures, with reasons in the report: {others}"))
+    return Group(*parts)
+
+
+def identified_summary(found: Identified, source: str, then: str) -> RenderableType:
+    """Make the summary of what a record tells, in 80 columns; `then` is what the axis does."""
+    from stickslip_design.identify import report
+    from stickslip_design.report.tables import Grid
+
+    found_numbers = report.numbers(found)
+    rows = [(f"{name}\n  {meaning}", *row) for name, meaning, *row, _ in found_numbers.rows]
+    table = of_grid(Grid(("number", *found_numbers.head[2:-1]), rows, frozenset(range(1, 5))))
+    untold = [f"cannot tell {what}: {why}" for what, why in found.untold]
+    parts = [
+        Text.assemble(f"{source}: ", (found.kind, "bold"), f", as {found.reason}"),
+        *([table] if rows else []),
+        *map(Text, (*untold, *found.notes)),
+        Text(report.explains(found), "" if found.explained else "bold yellow"),
+        *([Text(f"measure next: {found.following}")] if found.following else []),
+        Text(then, "bold"),
+    ]
     return Group(*parts)
 
 

@@ -40,10 +40,15 @@ class AxisFile:
     """Name of the file, for refusals."""
     values: Mapping[str, Value]
     """Numbers and texts: ``axis.mass``, ``axis.stiffness[1]``, ``drive.filter[1].frequency``."""
-    _sections: tuple[str, ...]
+    sections: tuple[str, ...]
+    """Places of its sections: ``drive``, ``drive.filter[1]``."""
     _written: Mapping[str, str]
-    _text: str
-    _folder: Path
+    text: str
+    """The text in TOML; empty where tables were read."""
+    tables: Mapping[str, Any]
+    """What it says, as TOML reads it."""
+    folder: Path
+    """Where files that it names are looked for."""
     _is_changed: bool = False
 
     @property
@@ -60,7 +65,7 @@ class AxisFile:
         if not isinstance(curve, str):
             return stated
         try:
-            content = (self._folder / curve).read_bytes()
+            content = (self.folder / curve).read_bytes()
         except OSError as error:
             reason = _unread(error)
             raise AxisError(reason, "friction.curve", value=curve, name=self.name) from None
@@ -69,11 +74,11 @@ class AxisFile:
     def axis(self) -> Axis:
         """Return the axis; AxisError if something is missing, or values do not go together."""
         name = Path(self.name).stem or "axis"
-        builder = Builder(name, self.values, self._sections, self._folder)
+        builder = Builder(name, self.values, self.sections, self.folder)
         try:
             return builder.axis(capped=self._is_changed)
         except AxisError as error:
-            error.name, error.line = self.name, _line_of(self._text, error.key)
+            error.name, error.line = self.name, _line_of(self.text, error.key)
             error.value = self._written.get(error.key, "")
             raise
 
@@ -157,7 +162,7 @@ def axis_file_of(
     except AxisError as error:
         error.name, error.line = name, _line_of(text, error.key)
         raise
-    return AxisFile(name, values, tuple(sections), written, text, folder or Path())
+    return AxisFile(name, values, tuple(sections), written, text, data, folder or Path())
 
 
 def _as_toml(value: Any) -> Any:

@@ -33,7 +33,8 @@ def html(verdict: Verdict) -> str:
 
     The same verdict gives the same text.
     """
-    return environment(_TEMPLATES).get_template("report.html.j2").render(
+    return rendered(
+        "report.html.j2",
         verdict=verdict,
         axis=verdict.axis,
         tables=tables,
@@ -47,9 +48,14 @@ def html(verdict: Verdict) -> str:
             drawn(plots.responses(verdict, cut), cut, f"Open loop {words}")
             for cut, words in tables.CUTS.items()
         ],
-        version=VERSION,
-        style=text_of("report.css", _TEMPLATES),
     )  # fmt: skip
+
+
+def rendered(template: str, **parts: Any) -> str:
+    """Return a page of one of our templates, in the style of reports on an axis."""
+    style = text_of("report.css", _TEMPLATES)
+    page = environment(_TEMPLATES).get_template(template)
+    return page.render(version=VERSION, style=style, **parts)
 
 
 def drawn(page: Figure | None, prefix: str, title: str) -> Markup | None:
