@@ -23,11 +23,20 @@ friction = {mu_s = 0.20, mu_k = 0.15}
 demand = {feeds = ["2 mm/min", "1 mm/s"]}
 """
 AXIS = tomllib.loads(WRITTEN)
+TIME = np.arange(0.0, 8.0, 2e-3)
+RECORD = {
+    "t": TIME,
+    "position": 0.02 * np.sin(3.0 * TIME),
+    "force": 0.06 * np.cos(3.0 * TIME) * 300.0 - 90.0 * np.sin(3.0 * TIME)
+    + 70.0 * np.sign(np.cos(3.0 * TIME)) + np.random.default_rng(0).normal(0.0, 1.0, TIME.size),
+}  # fmt: skip
+"""500 kg, 300 N s/m, 70 N."""
 RESULTS: dict[str, Callable[[], Any]] = {
     "Parameters": lambda: ss.Parameters(v="5 mm/s", law="stribeck", own={"v_s": "1 mm/s"}),
     "cycle": ss.cycle,
     "critical": lambda: ss.critical(ss.Parameters(c=2, v="20 mm/s")),
     "simulate": lambda: ss.simulate(ss.Parameters(c=2), "2 s", engine="reference"),
+    "identify": lambda: ss.identify(RECORD, AXIS),
     "design": lambda: ss.design(AXIS),
     "compare": lambda: ss.compare({"slow": AXIS, "fast": AXIS | {"demand": {"feeds": "1 m/s"}}}),
 }
@@ -116,6 +125,14 @@ def test_an_axis_of_a_dictionary_is_that_of_the_file(tmp_path: Path) -> None:
     for same in (file, found.verdict.axis):
         assert found.verdict.sentence == ss.design(same).verdict.sentence
     assert found.report(tmp_path / "axis.html").read_bytes().startswith(b"<!doctype html>")
+
+
+def test_numbers_of_a_record_go_into_an_axis_file_and_a_report(tmp_path: Path) -> None:
+    found = ss.identify(RECORD, AXIS)
+    assert found.found.number("axis.mass").value == pytest.approx(500.0, rel=0.01)
+    file = found.write(tmp_path / "measured.toml")
+    assert ss.design(file).verdict.axis.m == pytest.approx(500.0, rel=0.01)
+    assert found.sentence in found.report(tmp_path / "record.html").read_text("utf-8")
 
 
 def test_an_optimiser_drives_an_axis_by_its_own_numbers() -> None:

@@ -43,6 +43,7 @@ FILES = {
     "broken.toml": "id = = 1\n",
     "empty.csv": "",
     "timeless.csv": "x,F\n0,0\n",
+    "speeds.csv": "t,x,F\n0,0,1\n0.1,1,2\n",
     "word.csv": "t,x\n0,0\n0.1,much\n",
 }
 REFUSED = [
@@ -101,6 +102,20 @@ REFUSED = [
     ("design --template --example", "give one of them"),
     ("design --template -o x.html", "without -o and --json"),
     ("design --template axis.toml", "there is such a file already"),
+    ("identify none.csv", "none.csv"),
+    ("identify word.csv", "word.csv: | line 3"),
+    ("identify speeds.csv -o speeds.csv", "--output speeds.csv: that is another file"),
+    (
+        "identify speeds.csv --axis axis.toml --write axis.toml",
+        "--write axis.toml: that is another",
+    ),
+    (
+        "identify speeds.csv --json plan.toml --write plan.toml",
+        "--write plan.toml: that is another",
+    ),
+    ("identify speeds.csv --axis minus.toml", "minus.toml: line 3: axis.mass"),
+    ("identify speeds.csv --column position", "--column position: write NAME=VALUE"),
+    ("identify speeds.csv --column way=x", "way is none of t, position"),
     ("names none.fmu", "none.fmu: | no such file"),
     ("names {slider} -o none/names.toml", "-o none/names.toml: "),
     ("names {slider} -o axis.toml", "it is there already, and may have been edited"),

@@ -1,3 +1,5 @@
+from .identified import Identification as Identification
+from .identified import identify as identify
 from .judgements import Comparison as Comparison
 from .judgements import CurveVerdict as CurveVerdict
 from .judgements import Design as Design

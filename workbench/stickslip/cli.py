@@ -19,6 +19,7 @@ from typer.exceptions import TyperException
 from stickslip.commands.build import build
 from stickslip.commands.critical import critical
 from stickslip.commands.design import design
+from stickslip.commands.identify import identify
 from stickslip.commands.map import map as map_
 from stickslip.commands.names import names
 from stickslip.commands.page import explore, page
@@ -78,7 +79,7 @@ app = typer.Typer(
 )
 
 COMMANDS = (
-    *(build, simulate, critical, design, map_, scatter, sweep, explore, page),
+    *(build, simulate, critical, identify, design, map_, scatter, sweep, explore, page),
     *(verify, names, score),
 )
 for command in COMMANDS:
