@@ -27,7 +27,7 @@ ROOT = Path(__file__).parents[2]
 DOORS = [f"start/{door}" for door in ("simulator", "axis", "judge", "learn")]
 PAGES = {
     name: (ROOT / "docs" / f"{name}.md").read_text("utf-8")
-    for name in ("design", "cures", "seal", "friction", "studies", *DOORS)
+    for name in ("identify", "design", "cures", "seal", "friction", "studies", *DOORS)
 }
 SAVED = re.compile(r"ave this as `([^`]+)`:\n\n```(?:toml)?\n(.+?)```", re.DOTALL)
 FILES = {name: text for page in PAGES.values() for name, text in SAVED.findall(page)}
@@ -46,7 +46,7 @@ def files(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
 
 def test_the_pages_hold_what_is_run() -> None:
     assert len(FILES) == 7
-    assert len(ASKED) == 20
+    assert len(ASKED) == 21
 
 
 @needs("cluster", "studies")
@@ -56,6 +56,8 @@ def test_commands_print_what_their_page_quotes(
 ) -> None:
     if "FeedAxis.ssp" in lines:
         build_all(tmp_path, axis_file_of(example()).axis(), Move(5e-4))
+    if "record.csv" in lines:
+        python("-c", re.findall(r"```python\n(.+?)```", PAGES["identify"], re.S)[0])
     with ExitStack() as stack:
         if CLUSTER in lines:
             quoted = next(text for first, text in ASKED if lines.startswith(f"{first[:-1]} --cl"))
@@ -67,6 +69,8 @@ def test_commands_print_what_their_page_quotes(
             python("-m", *shlex.split(line), timeout=600).stdout for line in lines.splitlines()
         ]
     assert printed[-1].strip()
+    if "--write measured.toml" in lines:
+        printed.append((tmp_path / "measured.toml").read_text("utf-8"))
     assert all(part in "".join(printed) for part in quoted.splitlines())
     if "-o chart" in lines:
         opened: dict[str, Any] = {}
