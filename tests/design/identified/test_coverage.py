@@ -1,0 +1,79 @@
+"""The intervals of identified numbers: how often they contain the truth, how wide they are."""
+
+import json
+import math
+from functools import cache
+from itertools import product
+from pathlib import Path
+
+import numpy as np
+import pytest
+from scipy.stats import binom
+
+from stickslip_design.identify.model import Kind
+from stickslip_design.identify.study import identify
+from stickslip_design.one_thread import one_thread
+from tests.conftest import Sized
+from tests.design.identified.records import KINDS, cases
+from tests.sharing import made_once
+
+pytestmark = pytest.mark.gate
+
+CELLS = list(product(KINDS, range(3), (False, True)))
+Told = list[tuple[str, bool, float]]
+"""A number's name, whether its interval contains the truth, its half over that of the bound."""
+
+
+@one_thread
+def told_of(cell: tuple[Kind, int, bool], count: int) -> list[tuple[str, Told]]:
+    """Return the kind that each record of a cell is taken for, and what is told of it."""
+
+    def make(folder: Path) -> None:
+        told = []
+        for case in cases(*cell, count):
+            result, numbers = identify(case.record, case.stated), []
+            bounds = case.bounds() if case.white else {}
+            for number in (each for each in result.numbers if each.name in case.truth):
+                half, least = 0.5 * (number.high - number.low), bounds.get(number.name, math.nan)
+                inside = number.low <= case.truth[number.name] <= number.high
+                numbers.append((number.name, bool(inside), half / (1.96 * least)))
+            told.append((result.kind, numbers))
+        (folder / "told.json").write_text(json.dumps(told), encoding="utf-8")
+
+    made = made_once(f"identified-{CELLS.index(cell)}-{count}", make)
+    return [tuple(each) for each in json.loads((made / "told.json").read_text(encoding="utf-8"))]
+
+
+@cache
+def share(cell: tuple[Kind, int, bool], count: int) -> tuple[float, ...]:
+    """Return the covered part of the numbers of each record: those of one record go together."""
+    numbers = [told for _, told in told_of(cell, count) if told]
+    return tuple(float(np.mean([inside for _, inside, _ in told])) for told in numbers)
+
+
+@pytest.mark.parametrize("cell", CELLS, ids=str)
+def test_a_record_is_taken_for_the_kind_it_is_and_tells_numbers(
+    cell: tuple[Kind, int, bool], sized: Sized
+) -> None:
+    assert all(kind == cell[0] and told for kind, told in told_of(cell, sized(112)))
+
+
+def test_the_intervals_contain_the_truth_as_often_as_they_say(sized: Sized) -> None:
+    shares = {cell: share(cell, sized(112)) for cell in CELLS}
+    pooled = [each for cell in CELLS for each in shares[cell]]
+    # Beside 95 +- 2 % what this many records differ from their mean by chance, in 1 % of all runs.
+    chance = 2.58 * math.sqrt(0.95 * 0.05 / len(pooled)) * (len(pooled) < 1000)
+    assert 0.93 - chance <= np.mean(pooled) <= 0.97 + chance
+    margins = [(n, value) for n in range(3) for value in sorted({cell[n] for cell in CELLS})]
+    for n, value in margins:
+        some = [each for cell in CELLS if cell[n] == value for each in shares[cell]]
+        by_chance = binom.cdf(round(float(np.sum(some))), len(some), 0.92)
+        assert by_chance > 0.01 / len(margins), (value, np.mean(some))
+
+
+def test_no_interval_is_much_wider_than_the_least_that_white_noise_allows(sized: Sized) -> None:
+    for kind in KINDS:
+        told = [q for cell in CELLS if cell[0] == kind for _, q in told_of(cell, sized(112))]
+        ratios = [ratio for numbers in told for _, _, ratio in numbers if math.isfinite(ratio)]
+        assert ratios
+        assert np.quantile(ratios, 0.95) <= 1.3, kind
