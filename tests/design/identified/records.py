@@ -197,15 +197,16 @@ def _jumping(rng: np.random.Generator, kind: Kind, level: int, servo: bool) -> l
         end += rng.uniform(8.0, 15.0) * (2.0 * gap / feed + 4.0 / w)
         if axis.drive:
             dt, end = axis.drive.T_s, _N * axis.drive.T_s
-            feed = 2.0 * gap * rng.uniform(10.0, 20.0) / end
+            feed = 2.0 * gap * rng.uniform(15.0, 30.0) / end
         plans.append((axis, feed, np.arange(0.0, end, dt), begin))
     made = []
     for plan, run in zip(plans, _runs(plans), strict=True):
         axis, _, t, begin = plan
-        rests = np.diff(run["position"], prepend=0.0) <= 0.0
+        rests = np.diff(run["table"], prepend=0.0) == 0.0
         starts = t[1:][rests[:-1] & ~rests[1:] & (t[1:] > begin)]
         step, seen = rng.choice([1, 2, 4]) if servo else 1, rng.integers(2 if servo else 3)
-        if len(starts) < 8:
+        # Few of a servo's cycles do not settle: nothing can be told of such a motion by its model.
+        if len(starts) < 8 or np.ptp(cycles := np.diff(starts)[-4:]) > 0.02 * cycles.mean():
             continue
         # Half of them are cut out of the motion, where no column knows its zero but the force.
         cut = float(rng.uniform(starts[1], starts[2])) if rng.random() < 0.5 else 0.0
@@ -229,15 +230,16 @@ def _runs(plans: Sequence[Plan]) -> list[dict[str, Array]]:
             )
             for axis, feed, t, begin in plans
         ]  # fmt: skip
-        return [{"command": run.x_pull, "position": run.x, "force": run.F} for run in runs]
-    x, v, _ = np.stack([moved(t, [(begin, 0.05, feed)]) for _, feed, t, begin in plans], axis=1)
-    axes = [axis for axis, *_ in plans]
-    motor, table, _, force = loops(axes, np.array([axis.c for axis in axes]), x, v)
-    on_table = [axis.drive is not None and axis.drive.on_table for axis in axes]
-    return [
-        {"command": x[n], "position": table[n] if on_table[n] else motor[n], "force": force[n]}
-        for n in range(len(axes))
-    ]
+        columns = [(run.x_pull, run.x, run.x, run.F) for run in runs]
+    else:
+        motions = [moved(t, [(begin, 0.05, feed)]) for _, feed, t, begin in plans]
+        x, v, _ = np.stack(motions, axis=1)
+        axes = [axis for axis, *_ in plans]
+        motor, table, _, force = loops(axes, np.array([axis.c for axis in axes]), x, v)
+        on_table = np.array([[axis.drive is not None and axis.drive.on_table] for axis in axes])
+        columns = list(zip(x, table, np.where(on_table, table, motor), force, strict=True))
+    names = ("command", "table", "position", "force")
+    return [dict(zip(names, each, strict=True)) for each in columns]
 
 
 def _errors_of_runs(plan: Plan, rows: Array) -> Errors:
