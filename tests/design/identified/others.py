@@ -72,15 +72,14 @@ def made(kind: Kind, name: str, rng: np.random.Generator) -> Columns:
         if kind == "steady runs":
             x, v, a = trips(t, np.ravel([v, -v], order="F"), 0.84, 0.08)
         else:
-            x, v, a = trips(t, 0.2 * rng.uniform(0.3, 1.0, 16) * np.resize([1, -1], 16), 0.73, 0.3)
-        law, z, command, friction = laws(0.2)[name], np.zeros(len(t)), x, np.zeros(len(t))
+            x, v, a = trips(t, 0.2 * rng.uniform(0.3, 1.0, 16) * np.resize([1, -1], 16), 0.73, 0.5)
+        law, z, command = laws(0.2)[name], np.zeros(len(t)), x
         for n in range(1, len(t) * (name == "LuGre")):
             # Exact for a speed that is constant over a sample.
             end = _stribeck(v[n], 0.01) / BRISTLES * np.sign(v[n])
             part = math.exp(-1e-3 * abs(v[n]) / max(abs(end), 1e-12))
             z[n] = end + (z[n - 1] - end) * part if v[n] else z[n - 1]
-        friction, _ = law(x, v, z)
-        force = M * a + friction + C * v
+        force = M * a + law(x, v, z)[0] + C * v
     return {
         "t": t, "command": command, "position": x + rng.normal(0.0, small * np.ptp(x), len(t)),
         "force": force + rng.normal(0.0, 0.005 * np.ptp(force), len(t)),

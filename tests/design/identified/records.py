@@ -58,7 +58,7 @@ def moved(t: Array, changes: Iterable[tuple[float, float, float]]) -> Array:
     for begin, length, by in changes:
         s = np.clip((t - begin) / length, 0.0, 1.0)
         a += by / length * 6.0 * s * (1.0 - s)
-        v += by * s * s * (3.0 - 2.0 * s)
+        v += by * s**2 * (3.0 - 2.0 * s)
         x += by * (length * (s**3 - 0.5 * s**4) + np.maximum(t - begin - length, 0.0))
     return np.array([x, v, a])
 
@@ -121,7 +121,7 @@ def drawn(rng: np.random.Generator, kind: Kind, servo: bool) -> Axis:
 
 def _moving(rng: np.random.Generator, kind: Kind, level: int, servo: bool) -> list[Case]:
     """Draw 16 steady runs or excitations; the directions of half of them differ."""
-    axes, backs, times, motions = [], [], [], []
+    plans = list[tuple[Axis, float, Array, Array]]()
     for _ in range(16):
         axis = drawn(rng, kind, servo)
         t = np.arange(_N) * (axis.drive.T_s if axis.drive else 2.5e-4 * rng.choice([1, 2, 4]))
@@ -142,29 +142,23 @@ def _moving(rng: np.random.Generator, kind: Kind, level: int, servo: bool) -> li
             x, a = (size / w) @ (1.0 - np.cos(phase)), (size * w) @ np.cos(phase)
             motion = np.array([x, size @ np.sin(phase), a])
         c = _log(rng, 0.2, 2.0) * axis.F_k / np.abs(motion[1]).max()
-        axes.append(replace(axis, c=c))
-        backs.append(c * (_log(rng, 0.5, 2.0) if rng.random() < 0.5 else 1.0))
-        times.append(t)
-        motions.append(motion)
+        back = c * (_log(rng, 0.5, 2.0) if rng.random() < 0.5 else 1.0)
+        plans.append((replace(axis, c=c), back, t, motion))
+    axes, backs, times, motions = zip(*plans, strict=True)
     x, v, a = np.stack(motions, axis=1)
-    clean = {"command": x, "position": x}
     if servo:
-        motor, table, v, clean["force"] = loops(axes, np.array(backs), x, v)
+        motor, table, v, force = loops(axes, np.array(backs), x, v)
         a = np.gradient(v, axis=1) / np.diff(times, axis=1)[:, :1]
-        on_table = np.array([[axis.drive is not None and axis.drive.on_table] for axis in axes])
-        clean["position"] = np.where(on_table, table, motor)
-    else:
-        # A table at rest is taken to be held by half its friction.
-        m, F_k, along, c, back = np.array([
-            [axis.m, axis.F_k, axis.along, axis.c, back]
-            for axis, back in zip(axes, backs, strict=True)
-        ]).T[:, :, None]  # fmt: skip
-        sense = np.where(v == 0.0, 0.5, np.sign(v))
-        clean["force"] = m * a + F_k * sense + np.where(v > 0.0, c, back) * v - along
     made = []
-    for n, (axis, back, t) in enumerate(zip(axes, backs, times, strict=True)):
+    for n, (axis, back, t, _) in enumerate(plans):
+        if axis.drive:
+            seen, pull = (table if axis.drive.on_table else motor)[n], force[n]
+        else:
+            # A table at rest is taken to be held by half its friction.
+            dry = axis.F_k * np.where(v[n] == 0.0, 0.5, np.sign(v[n])) - axis.along
+            seen, pull = x[n], axis.m * a[n] + np.where(v[n] > 0.0, axis.c, back) * v[n] + dry
         rows = np.arange(0, _N, rng.choice([1, 2, 4]))
-        columns = {name: column[n][rows] for name, column in clean.items()}
+        columns = {"command": x[n][rows], "position": seen[rows], "force": pull[rows]}
         errors = _errors_of_lines(kind, t[rows], v[n][rows], a[n][rows], back == axis.c)
         made.append(_measured(rng, kind, level, axis, back, t[rows], columns, errors))
     return made

@@ -14,7 +14,10 @@ from stickslip_design.identify.model import Kind
 from stickslip_design.identify.study import identify
 from stickslip_design.one_thread import one_thread
 from tests.conftest import Sized
-from tests.design.identified.records import KINDS, cases
+from tests.design.identified.loops import loops
+from tests.design.identified.records import KINDS, cases, drawn
+from tests.design.simulated import Simulation
+from tests.needs import needs
 from tests.sharing import made_once
 
 pytestmark = pytest.mark.gate
@@ -49,6 +52,24 @@ def share(cell: tuple[Kind, int, bool], count: int) -> tuple[float, ...]:
     """Return the covered part of the numbers of each record: those of one record go together."""
     numbers = [told for _, told in told_of(cell, count) if told]
     return tuple(float(np.mean([inside for _, inside, _ in told])) for told in numbers)
+
+
+@needs("cc")
+@pytest.mark.parametrize("number", [0, 2, 6])
+def test_the_servos_of_the_records_move_as_in_a_simulation_without_events(number: int) -> None:
+    axis = drawn(np.random.default_rng([39, number]), "stick-slip", servo=True)
+    assert axis.drive
+    T_s = axis.drive.T_s
+    feed = 40.0 * (axis.F_s - axis.F_k) / axis.k / (16_000 * T_s)
+    v = feed * np.minimum(np.arange(16_000) * T_s / 0.05, 1.0)
+    x, simulation, seen = np.cumsum(v) * T_s, Simulation(axis, feed, 1e-6), []
+    _, table, speed, _ = loops([axis], np.array([axis.c]), x[None], v[None])
+    for n in range(len(v) - 1):
+        seen.append(simulation.x[2] + x[n])
+        simulation.advance(T_s, v[n], v[n + 1])
+    assert np.count_nonzero(np.diff(np.sign(speed[0])) > 0) > 2
+    # The simulation's break-away is late as if the gap were 0.1 % larger.
+    assert np.abs(table[0, :-1] - seen).max() < 3e-3 * np.ptp(table)
 
 
 @pytest.mark.parametrize("cell", CELLS, ids=str)
