@@ -165,17 +165,23 @@ def _moving(rng: np.random.Generator, kind: Kind, level: int, servo: bool) -> li
 
 
 def _errors_of_lines(kind: Kind, t: Array, v: Array, a: Array, alike: bool) -> Errors:
-    """Of the force over a motion that is known, in the even parts of steady runs."""
+    """Of the force over a motion that is known, in the even parts of steady runs.
+
+    Each direction has its own slope, as only what survives that is called a force along the way.
+    """
     used = np.abs(v) > 0.02 * np.abs(v).max()
-    by = {"friction.F_k": np.sign(v), "axis.force_along": -np.ones(len(v))}
-    by |= {"axis.c": v} if alike else {"c forward": v.clip(0.0), "c backward": v.clip(None, 0.0)}
+    by = {"c forward": v.clip(0.0), "c backward": v.clip(None, 0.0), "friction.F_k": np.sign(v)}
+    by |= {"axis.force_along": -np.ones(len(v))}
     if kind == "steady runs":
         used &= (t * 14.2 / t[-1] % 1.0 > 0.4) & (t < t[-1] * 14.0 / 14.2)
     else:
         by["axis.mass"] = a
     X = np.array(list(by.values()))[:, used]
-    least = np.sqrt(np.diag(np.linalg.inv(X @ X.T)))
-    return lambda noise: dict(zip(by, noise["force"] * least, strict=True))
+    covariance = np.linalg.inv(X @ X.T)
+    least = dict(zip(by, np.sqrt(np.diag(covariance)), strict=True))
+    if alike:
+        least["axis.c"] = 0.5 * math.sqrt(covariance[:2, :2].sum())
+    return lambda noise: {name: noise["force"] * each for name, each in least.items()}
 
 
 def _jumping(rng: np.random.Generator, kind: Kind, level: int, servo: bool) -> list[Case]:
