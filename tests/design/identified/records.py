@@ -124,9 +124,9 @@ def _moving(rng: np.random.Generator, kind: Kind, level: int, servo: bool) -> li
     plans = list[tuple[Axis, float, Array, Array]]()
     for _ in range(16):
         axis = drawn(rng, kind, servo)
-        t = np.arange(_N) * (axis.drive.T_s if axis.drive else 2.5e-4 * rng.choice([1, 2, 4]))
+        t = np.arange(_N) * (axis.drive.T_s if axis.drive else 5e-4 * rng.choice([1, 2]))
         part = t[-1] / (14.2 if kind == "steady runs" else 8.2)
-        ramp = part * rng.uniform(0.2, 0.6)
+        ramp = part * rng.uniform(0.4, 0.9)
         top = _log(rng, 1.0, 8.0) * axis.friction.mu_k * Axis.g * ramp / 1.5
         if kind == "steady runs":
             # The controller takes its force from one side to the other in a part of each run.
@@ -157,7 +157,7 @@ def _moving(rng: np.random.Generator, kind: Kind, level: int, servo: bool) -> li
             # A table at rest is taken to be held by half its friction.
             dry = axis.F_k * np.where(v[n] == 0.0, 0.5, np.sign(v[n])) - axis.along
             seen, pull = x[n], axis.m * a[n] + np.where(v[n] > 0.0, axis.c, back) * v[n] + dry
-        rows = np.arange(0, _N, rng.choice([1, 2, 4]))
+        rows = np.arange(0, _N, rng.choice([1, 2, 4] if t[1] < 2e-3 else [1, 2]))
         columns = {"command": x[n][rows], "position": seen[rows], "force": pull[rows]}
         errors = _errors_of_lines(kind, t[rows], v[n][rows], a[n][rows], back == axis.c)
         made.append(_measured(rng, kind, level, axis, back, t[rows], columns, errors))

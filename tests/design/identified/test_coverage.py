@@ -73,10 +73,13 @@ def test_the_servos_of_the_records_move_as_in_a_simulation_without_events(number
 
 
 @pytest.mark.parametrize("cell", CELLS, ids=str)
-def test_a_record_is_taken_for_the_kind_it_is_and_tells_numbers(
+def test_stick_slip_is_seen_where_it_is_and_each_record_tells_numbers(
     cell: tuple[Kind, int, bool], sized: Sized
 ) -> None:
-    assert all(kind == cell[0] and told for kind, told in told_of(cell, sized(112)))
+    # Steady runs with hard ramps are an excitation as well.
+    for kind, told in told_of(cell, sized(112)):
+        assert told
+        assert (kind == "stick-slip") is (cell[0] == "stick-slip")
 
 
 def test_the_intervals_contain_the_truth_as_often_as_they_say(sized: Sized) -> None:
