@@ -22,6 +22,7 @@ TRUTH: Final = {
     "axis.mass": M, "axis.c": C, "c forward": C, "c backward": C, "friction.F_k": F_K,
     "axis.stiffness": K, "k/m": K / M, "c/m": C / M, "friction.F_s": F_S, "gap": (F_S - F_K) / K,
     "friction.mu_s": F_S / M / 9.81, "friction.mu_k": F_K / M / 9.81, "axis.force_along": 0.0,
+    "F_s - F_k": F_S - F_K,
 }  # fmt: skip
 """By any law F_k is the friction of high speeds, F_s the greatest, to 0.1 %."""
 
@@ -116,7 +117,9 @@ TWISTS: Final[dict[str, Callable[[Columns, np.random.Generator], Columns]]] = {
     "12 bits": lambda q, _: {n: _rounded(q[n]) for n in q} | {"t": q["t"]},
     "jitter": _jitter,
     "lost samples": _lost,
-    "drift": lambda q, _: q | {"force": q["force"] + 0.1 * np.ptp(q["force"]) * q["t"] / 12.0},
+    "drift": lambda q, _: (
+        q | {"force": q["force"] + 0.1 * np.ptp(q["force"]) * np.linspace(0.0, 1.0, len(q["t"]))}
+    ),
     "backlash": lambda q, _: q | {"position": _backlash(q["position"], 5e-6)},
     "mm for m": lambda q, _: q | {"position": 1e3 * q["position"]},
     "delay": lambda q, _: {n: q[n][2:] for n in q} | {"force": q["force"][:-2]},

@@ -79,7 +79,8 @@ def truth_of(axis: Axis, back: float, kind: Kind) -> dict[str, float]:
     }  # fmt: skip
     if kind == "stick-slip":
         truth |= {"axis.stiffness": axis.k, "k/m": axis.k / axis.m, "friction.F_s": axis.F_s}
-        truth |= {"friction.mu_s": rubs.mu_s, "gap": (axis.F_s - axis.F_k) / axis.k}
+        truth |= {"friction.mu_s": rubs.mu_s, "F_s - F_k": axis.F_s - axis.F_k}
+        truth["gap"] = truth["F_s - F_k"] / axis.k
     return truth
 
 
