@@ -188,7 +188,7 @@ def driven(record: Record, axis: Axis | None) -> Identified:
     seen = rows.both.memory
     lag = min(max(1, round(_LAG / rows.step)), seen.correlation.size)
     shown = slice(None, None, max(1, rows.t.size // _MOST))
-    untold = [("friction.F_s", "the table does not stick and slip in this record")]
+    untold = [("friction.F_s", "a table that does not stick and slip tells no static friction")]
     if is_steady:
         untold.append(("axis.mass", "the table is not accelerated in steady runs"))
     if "offset" not in best.names:

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from typing import Final, NamedTuple
 
 import numpy as np
+from scipy.ndimage import maximum_filter1d, minimum_filter1d
 
 from .evened import Even, filtered, scatter
 
@@ -15,6 +16,8 @@ _ENDS: Final = 0.1
 """Of a steady run that is left out at each end, where it may still settle."""
 _LEAST: Final = 100
 """Samples of a steady run at least."""
+_STRIDE: Final = 10
+"""Of the samples behind it, so many are one."""
 _CORNER: Final = 0.02
 """Corner of the low pass behind which the speed is judged, of the sample rate."""
 _MOVES: Final = 1e-3
@@ -44,17 +47,24 @@ def plateaus(runs: Sequence[Even], rounding: float) -> tuple[list[Plateau], floa
     highest = max(float(np.max(np.abs(way.v))) for way in ways)
     for run, way in zip(runs, ways, strict=True):
         noise = _DEVIATIONS * scatter(run, corner, rounding).v
-        moves = np.abs(way.v) > max(_MOVES * highest, noise)
+        t, v = way.t[::_STRIDE], way.v[::_STRIDE]
+        moves = np.abs(v) > max(_MOVES * highest, noise)
         moving += int(np.count_nonzero(moves))
-        begin = 0
-        while begin < way.t.size - _LEAST:
-            speed = float(np.median(way.v[begin : begin + _LEAST]))
-            off = np.flatnonzero(np.abs(way.v[begin:] - speed) > _STEADY * abs(speed) + noise)
-            length = int(off[0]) if off.size else way.t.size - begin
-            if length < _LEAST or not moves[begin] or noise > _BURIED * abs(speed):
-                begin += _LEAST // 10
+        allowed = _STEADY * np.abs(v) + noise
+        window = _LEAST // _STRIDE
+        span = maximum_filter1d(v, window, origin=-(window // 2)) - minimum_filter1d(
+            v, window, origin=-(window // 2)
+        )
+        starts = np.flatnonzero((span <= allowed) & moves & (noise <= _BURIED * np.abs(v)))
+        end = 0
+        for begin in starts[starts < t.size - window].tolist():
+            if begin < end:
                 continue
-            inner = way.t[begin : begin + length][int(_ENDS * length) : -int(_ENDS * length) - 1]
-            found.append(Plateau(float(inner[0]), float(inner[-1]), speed))
-            begin, steady = begin + length, steady + length
+            speed = float(np.median(v[begin : begin + window]))
+            off = np.flatnonzero(np.abs(v[begin:] - speed) > allowed[begin])
+            length = int(off[0]) if off.size else t.size - begin
+            if length >= window:
+                inner = t[begin : begin + length][int(_ENDS * length) : -int(_ENDS * length) - 1]
+                found.append(Plateau(float(inner[0]), float(inner[-1]), speed))
+                end, steady = begin + length, steady + length
     return found, min(steady / max(moving, 1), 1.0)
