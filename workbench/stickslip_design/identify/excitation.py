@@ -21,7 +21,7 @@ from ..axis import Axis
 from .evened import Even, Filtered, evened, filtered, low_pass, scatter
 from .laws import Law, law_of
 from .model import Curve, Floats, Identified, Number, Record, Residual, Trace
-from .noise import Estimate, least_squares
+from .noise import Estimate, Memory, least_squares
 from .steady import Plateau, plateaus
 
 _WHITENED: Final = 0.55
@@ -46,8 +46,9 @@ _RINGING: Final = 1.1
 _STEADILY, _NEARLY, _FEW_SPEEDS, _INERTIA = 0.6, 0.85, 3, 0.15
 """A record is of steady runs if they are this part of the moving time, at so many speeds, and the
 force of the inertia has at most this part of the power; or nearly all of the time."""
-_OFF: Final = 0.05
-"""Of the range of the forces: how far a steady run may be off its friction law."""
+_OFF, _LONG = 0.01, 0.15
+"""Of the range of the forces: how far a steady run may be off its friction law. Of a steady run: a
+memory of the residual that makes it none."""
 _LATE: Final = 0.1
 """Of the period of the low pass's corner: time between force and motion that is too much."""
 _WAY, _FAULT = 3.0, 4.0
@@ -182,7 +183,7 @@ def driven(record: Record, axis: Axis | None) -> Identified:
     )
     if is_steady:
         rows = _at(runs, record, axis, max(_FIRST, record.t.size // _KEPT), steady) or rows
-    law, curve = _curve(rows)
+    law, curve, inside = _curve(rows)
     others = _others(rows)
     best = law.estimate if is_steady else rows.best
     seen = rows.both.memory
@@ -207,7 +208,7 @@ def driven(record: Record, axis: Axis | None) -> Identified:
             unit="N",
             memory=seen.samples * rows.step,
             at=(lag * rows.step, float(seen.correlation[lag - 1])),
-            faults=(*others, *_faults(rows, law)),
+            faults=(*others, *_faults(rows, law, curve, inside)),
         ),
         traces=(
             Trace(
@@ -403,13 +404,14 @@ def _others(rows: _Rows) -> dict[str, Estimate]:
     return shown
 
 
-def _faults(rows: _Rows, law: Law) -> Iterator[str]:
+def _faults(rows: _Rows, law: Law, curve: Curve, inside: Memory) -> Iterator[str]:
     if rows.steady:
-        worst = float(np.max(np.abs(law.estimate.residual)))
-        if worst > _OFF * float(np.ptp(rows.force)):
+        left, known = np.abs(law.estimate.residual), np.sqrt(np.mean(curve.band**2))
+        if np.max(left) > max(_OFF * float(np.ptp(rows.force)), 2.0 * known):
+            worst = float(np.max(left))
             yield f"steady runs are up to {worst:.2g} N off every friction law that was tried"
-        runs = [np.count_nonzero(rows.run == one) for one in np.unique(rows.run)]
-        if 2 * rows.both.memory.samples > min(runs):
+        longest = max(np.count_nonzero(rows.run == one) for one in np.unique(rows.run))
+        if inside.samples > _LONG * longest:
             yield "the force is not steady in steady runs"
         return
     late, chance = abs(rows.best.number("ahead")), rows.best.deviation("ahead")
@@ -445,10 +447,10 @@ def _segments(rows: _Rows, steady: Sequence[Plateau]) -> Iterator[tuple[float, f
         yield float(rows.t[places[0]]), float(rows.t[places[-1]]), way
 
 
-def _curve(rows: _Rows) -> tuple[Law, Curve]:
-    """Return friction over the speed: means of the force without the inertia, and its law.
+def _curve(rows: _Rows) -> tuple[Law, Curve, Memory]:
+    """Return friction over the speed, means of the force without the inertia, and its law.
 
-    Of each steady run, else of parts of the speeds with as many samples.
+    Of each steady run, else of parts of the speeds with as many samples; and the memory inside.
     """
     group: NDArray[Any] = rows.run
     if not rows.steady:
@@ -465,4 +467,5 @@ def _curve(rows: _Rows) -> tuple[Law, Curve]:
     tiny = 1e-12 * float(np.max(np.abs(force)))
     law = law_of(speed[order], force, np.maximum(deviation, tiny))
     fitted = law.estimate.fitted
-    return law, Curve(speed=speed[order], force=force, band=band, law=law.words, fitted=fitted)
+    curve = Curve(speed=speed[order], force=force, band=band, law=law.words, fitted=fitted)
+    return law, curve, found.memory

@@ -52,12 +52,13 @@ def law_of(speed: Floats, force: Floats, deviation: Floats) -> Law:
         tried = [
             _fitted(
                 words,
-                parts | slope | {"fall": sign * np.exp(-size / v_s)},
+                parts | slope | {"fall": sign * np.exp(-((size / v_s) ** delta))},
                 force,
                 deviation,
                 v_s=float(v_s),
             )
             for v_s in np.geomspace(size.min(), size.max(), _SPEEDS)
+            for delta in (1.0, 2.0)
         ]
         best = min(tried, key=lambda law: law.criterion)
         fall = best.estimate.number("fall")
