@@ -3,11 +3,14 @@ from .cause import Compared as Compared
 from .cause import Score as Score
 from .cause import as_json as as_json
 from .cause import score as score
+from .figures import Solution as Solution
 from .figures import scatter_of as scatter_of
-from .read import UNITS as UNITS
+from .fit import by_cycle as by_cycle
+from .fit import solved as solved
 from .read import Curve as Curve
 from .read import CurveError as CurveError
 from .read import Quantity as Quantity
+from .read import UNITS as UNITS
 from .read import Wanted as Wanted
 from .read import check_samples as check_samples
 from .read import quantities_of as quantities_of

@@ -253,7 +253,7 @@ class Part:
         if float(np.max(np.abs(J[:, 0]))) * step < self.digits:
             reach[0] = step
         rms = math.sqrt(float(r @ r) / max(r.size - len(numbers) - 1 - self.drifts, 1))
-        repeats, wanders = _by_cycle(self.t, r, after, best.figures()["period"])
+        repeats, wanders = by_cycle(self.t, r, after, best.figures()["period"])
         return Fit(
             part=self,
             solution=best,
@@ -289,7 +289,7 @@ def _is_white(t: Floats, r: Floats) -> bool:
     return rms <= _WHITE * (1.0 + _WHITE_OF_FEW / math.sqrt(r.size)) * scatter_of(t, r)
 
 
-def _by_cycle(t: Floats, r: Floats, after: Floats, period: float) -> tuple[bool, bool]:
+def by_cycle(t: Floats, r: Floats, after: Floats, period: float) -> tuple[bool, bool]:
     """Tell whether distances repeat from cycle to cycle, and wander by more than their scatter.
 
     `after` are times since the first break-away [s]. Means over parts of each cycle scatter about

@@ -239,7 +239,7 @@ class _NativeWalk:
 
     `over`: its time is over. `settled`: when its speed came within 5 % of the feed [s], if it was
     ended as even for good. `turns` follows it to the next events of the table, fewer than `count`
-    where it ends.
+    where it ends; `go_on` has it end after another time [s].
     """
 
     def __init__(self, native: Native, mode: Mode, point: Point, watched: Watched) -> None:
@@ -270,6 +270,9 @@ class _NativeWalk:
         walk = self._walk
         return float(walk.off) if walk.near > self._settles else None
 
+    def go_on(self, time: float) -> None:
+        self._walk.end = time
+
     def turns(self, count: int) -> list[Turn]:
         rows = np.empty((count, COLUMNS))
         found = self._native.walk(self._walk, rows)
@@ -293,6 +296,9 @@ class _PythonWalk:
     @property
     def over(self) -> bool:
         return self._end <= 0.0
+
+    def go_on(self, time: float) -> None:
+        self._end = time
 
     def turns(self, count: int) -> list[Turn]:
         turns: list[Turn] = []
