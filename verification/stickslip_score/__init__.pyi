@@ -7,10 +7,10 @@ from .figures import Solution as Solution
 from .figures import scatter_of as scatter_of
 from .fit import by_cycle as by_cycle
 from .fit import solved as solved
+from .read import UNITS as UNITS
 from .read import Curve as Curve
 from .read import CurveError as CurveError
 from .read import Quantity as Quantity
-from .read import UNITS as UNITS
 from .read import Wanted as Wanted
 from .read import check_samples as check_samples
 from .read import quantities_of as quantities_of

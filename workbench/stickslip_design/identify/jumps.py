@@ -26,6 +26,12 @@ _SPARSE: Final = 1.0
 """Radians of the slip between two samples, above which it is not seen."""
 _USUAL, _OFF = (1e-3, 3.0), 30.0
 """Static coefficients that there are, and how far a mass may be off that of an axis file."""
+_MUCH: Final = 0.3
+"""Of the time in which the command moves: in cycles."""
+_EVENLY, _VERY_EVENLY = 0.4, 0.1
+"""Deviation of the times from cycle to cycle, over their mean: cycles; and beyond doubt."""
+_TOGETHER, _COUNTS = 0.3, 4.0
+"""Correlation of force and spring, and counts of an encoder by which that falls in a slip."""
 _SURELY: Final = 1e-6
 """Chance of a finding that is none: of a drift, a delay, another speed."""
 
@@ -36,13 +42,36 @@ def is_stick_slip(record: Record, axis: Axis | None = None) -> str:
     Empty where it is not.
     """
     try:
-        runs = [run for run in runs_of(record, axis) if not run.still]
+        every = runs_of(record, axis)
     except ValueError:
+        return ""
+    runs = [run for run in every if not run.still and _is_even(run, record)]
+    lasts = sum(run.highs[-1] - run.highs[0] for run in runs)
+    if lasts < _MUCH * sum(float(run.t[-1] - run.t[0]) for run in every):
         return ""
     if not runs:
         return ""
     slips = sum(len(run.lows) for run in runs)
     return f"the table rests and slips {slips} times while the command goes one way"
+
+
+def _is_even(run: Run, record: Record) -> bool:
+    """Return whether cycles come evenly, and fall by more than the counts of an encoder."""
+    highs, lows = np.array(run.highs), np.array(run.lows)
+    spans = np.diff(highs)
+    uneven = float(np.std(spans) / np.mean(spans)) if len(spans) > 2 else math.inf
+    if _EVENLY < uneven < math.inf:
+        return False
+    if run.x is None or math.isnan(run.speed):
+        return True
+    behind = run.speed * run.t - run.x
+    doubtful = run.F is not None and uneven > _VERY_EVENLY
+    if doubtful and np.corrcoef(behind, run.F)[0, 1] < _TOGETHER:
+        return False
+    pairs = min(len(highs), len(lows))
+    fall = np.diff([np.interp(at[:pairs], run.t, run.x) for at in (highs, lows)], axis=0)
+    fall = fall - run.speed * (lows - highs[:pairs])
+    return float(np.median(fall)) > _COUNTS * 2.0 * record.rounding.get("position", 0.0)
 
 
 def stick_slip(record: Record, axis: Axis | None = None) -> Identified:

@@ -10,6 +10,7 @@ import numpy as np
 
 from ..axis import Axis
 from .excitation import driven
+from .jumps import is_stick_slip, stick_slip
 from .model import Identified, Number, Record
 
 _MOST_MU, _LEAST_MU = 2.0, 1e-4
@@ -33,7 +34,7 @@ def identify(record: Record, axis: Axis | None = None) -> Identified:
     """
     if axis is not None and axis.turns:
         raise ValueError("a rotary table is not identified: records are of a slide, in m and N")
-    found = driven(record, axis)
+    found = stick_slip(record, axis) if is_stick_slip(record, axis) else driven(record, axis)
     faults = (*found.residual.faults, *_implausible(found, record, axis))
     return replace(
         found,
