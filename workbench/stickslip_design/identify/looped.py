@@ -56,7 +56,7 @@ _UNSEEN, _FEWEST = 4, 3
 _TIES: Final = (1e-3, 1e-5)
 _ROUGHLY, _FINELY = 7, 20
 """Evaluations of a search."""
-_STEP: Final = 7e-3
+_STEP: Final = 3e-2
 _NAMES: Final = ("m", "k", "zeta", "T", "memory", "error", "t_break")
 _SIMULATED: Final = 6
 
@@ -152,7 +152,7 @@ class Loop:
             if name in self.noise or name[0] in self.noise:
                 step = self.noise[name[0]]
             elif name in ("t_break", "delay"):
-                step = 1e-2 * _STEP * self.run.period
+                step = 2e-3 * _STEP * self.run.period
             moved[place] += step
             if place < _SIMULATED:
                 other = self.simulated(moved)
