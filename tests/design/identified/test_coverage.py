@@ -95,15 +95,16 @@ def test_the_intervals_contain_the_truth_as_often_as_they_say(sized: Sized) -> N
         assert by_chance > 0.01 / len(margins), (value, np.mean(some))
 
 
-@pytest.mark.parametrize("cell", [cell for cell in CELLS if not cell[2]], ids=str)
+@pytest.mark.parametrize("kind", KINDS)
 def test_intervals_are_hardly_wider_than_the_least_that_white_noise_allows(
-    cell: tuple[Kind, int, bool], sized: Sized
+    kind: Kind, sized: Sized
 ) -> None:
     # Of a servo the bound takes the motion of both sides of the spring as known: one is measured.
     ratios: dict[str, list[float]] = {}
-    for _, numbers in told_of(cell, sized(112)):
-        for name, _, ratio in numbers:
-            ratios.setdefault(name, []).extend([ratio] * math.isfinite(ratio))
+    for level in range(3):
+        for _, numbers in told_of((kind, level, False), sized(112)):
+            for name, _, ratio in numbers:
+                ratios.setdefault(name, []).extend([ratio] * math.isfinite(ratio))
     assert ratios
     for name, found in ratios.items():
-        assert len(found) < 3 or np.median(found) <= 1.3, name
+        assert len(found) < 8 or np.median(found) <= 1.3, name

@@ -221,7 +221,7 @@ def driven(record: Record, axis: Axis | None) -> Identified:
         ),
         segments=tuple(_segments(rows, steady if is_steady else [])),
         curve=curve,
-        notes=tuple(_notes(rows)),
+        notes=tuple(_notes(rows, lag)),
     )
 
 
@@ -419,7 +419,7 @@ def _faults(rows: _Rows, law: Law, curve: Curve, inside: Memory) -> Iterator[str
         yield f"force and motion are {late * 1e3:.2g} ms apart"
 
 
-def _notes(rows: _Rows) -> Iterator[str]:
+def _notes(rows: _Rows, lag: int) -> Iterator[str]:
     both, apart = rows.both, rows.apart
     if rows.differ:
         before, after = (float(np.sqrt(np.mean(each.residual**2))) for each in (both, apart))
@@ -434,7 +434,11 @@ def _notes(rows: _Rows) -> Iterator[str]:
             yield "What looks like a weight is the asymmetry of the directions."
     if both.memory.samples:
         span = both.memory.samples * rows.step * 1e3
-        yield f"With one slope the residual is not white: it knows itself for {span:.0f} ms."
+        yield (
+            f"With one slope the residual is not white: it knows itself for {span:.0f} ms, its "
+            f"correlation is {both.memory.correlation[lag - 1]:.2f} over "
+            f"{lag * rows.step * 1e3:.0f} ms."
+        )
     yield f"Force and derivatives are behind a low pass of {rows.corner:.3g} Hz, forth and back."
 
 
