@@ -53,6 +53,8 @@ _LATE: Final = 0.1
 """Of the period of the low pass's corner: time between force and motion that is too much."""
 _WAY, _FAULT = 3.0, 4.0
 """Deviations that tell two directions from chance, and a fault, of some that are sought."""
+_OWN: Final = 1e-3
+"""Of the power of what is sought: what mass and friction must not show of it."""
 _LAG: Final = 0.05
 """Lag whose correlation is shown [s]."""
 _MOST: Final = 3000
@@ -87,7 +89,10 @@ class _Rows:
     wanted: Mapping[str, Floats] | None
     """The same of the commanded motion, if the table follows one."""
     corner: float
+    sample: float
+    """Time between samples of the record [s], known to be about what a force is ahead or late."""
     step: float
+    """Time between those that are used [s]."""
     noise: tuple[float, float]
     """That of the acceleration [m/s2] and of the speed [m/s]."""
     yielding: float = 0.0
@@ -132,14 +137,15 @@ class _Rows:
         """Return the numbers of columns, and before them the mass, but in steady runs."""
         columns = columns if self.steady else {"m": self.moved["m"], **columns}
         force = self.force if force is None else force
+        known = {"ahead": self.sample}
         if self.wanted is not None:
             instruments = {**self.wanted, **(more or {})}
-            return least_squares(columns, force, self.run, instruments=instruments)
+            return least_squares(columns, force, self.run, None, instruments, known)
         noise = {"m": self.noise[0] ** 2}
         for name in ("c", "c forward", "c backward"):
             # Each direction has the noise of the speed for its part of the time.
             noise[name] = self.noise[1] ** 2 * float(np.mean(self.moved[name] != 0.0))
-        return least_squares(columns, force, self.run, noise)
+        return least_squares(columns, force, self.run, noise, None, known)
 
     @cached_property
     def both(self) -> Estimate:
@@ -309,7 +315,8 @@ def _at(
     wanted = dict(zip(_MOVED, others[len(_MOVED) :], strict=True)) if late is not None else None
     scatters = noise.a, noise.v
     return _Rows(
-        t, x, force, run, moved, wanted, corner, stride * step, scatters, yielding, bool(steady)
+        t, x, force, run, moved, wanted, corner, step, stride * step, scatters, yielding,
+        bool(steady),
     )  # fmt: skip
 
 
@@ -381,8 +388,8 @@ def _numbers(
 def _others(rows: _Rows) -> dict[str, Estimate]:
     """Return what else the record shows, in words, and the numbers of a model that has it.
 
-    Of what is sought only that which is no chance, and which moves a number by more than its
-    interval.
+    Of what is sought only that which is no chance, which acceleration, speed and sign do not show
+    as well, and which moves a number by more than its interval.
     """
     size, middle, sign = np.abs(rows.v), rows.x - np.mean(rows.x), rows.moved["F_k"]
     tried = {
@@ -397,6 +404,9 @@ def _others(rows: _Rows) -> dict[str, Estimate]:
         }
     best, shown = rows.best, dict[str, Estimate]()
     for words, column in tried.items():
+        own = rows.numbers({n: rows.moved[n] for n in ("c", "F_k")}, force=column).residual
+        if own @ own < _OWN * (column @ column):
+            continue
         found = rows.fit(column, apart=rows.differ)
         moved = [abs(found.number(n) - best.number(n)) > best.reach(n) for n in best.names]
         if abs(found.number("0")) > _FAULT * found.deviation("0") and any(moved):

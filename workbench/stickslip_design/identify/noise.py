@@ -93,13 +93,15 @@ def least_squares(
     run: Floats,
     noise: Mapping[str, float] | None = None,
     instruments: Mapping[str, Floats] | None = None,
+    known: Mapping[str, float] | None = None,
 ) -> Estimate:
     """Return the numbers of columns, each shape (n,), whose sum is nearest to y.
 
     `run` counts the unbroken run to which a sample belongs. The covariance is that of white noise;
     where the residual has a memory that of leaving out one block after the other (jackknife), each
     longer than the memory. Noise in a column would draw its number to 0: `noise` are its
-    variances, or `instruments` are what the columns would be without it, or nearly.
+    variances, or `instruments` are what the columns would be without it, or nearly. `known` are
+    standard deviations of numbers that are about 0, known before.
     """
     X = np.stack(list(columns.values()), axis=1)
     Z = np.stack([(instruments or {}).get(n, c) for n, c in columns.items()], axis=1)
@@ -109,6 +111,13 @@ def least_squares(
     scale[scale == 0.0] = size[size == 0.0] = 1.0
     X, Z = X / scale, Z / size
     total = Z.T @ X - np.diag(n * drawn / scale**2)
+    before = np.zeros((p, p))
+    if known:
+        left = y - X @ np.linalg.lstsq(X, y, rcond=None)[0]
+        share = float(left @ left) / n
+        of = np.array([known.get(name, math.inf) for name in columns])
+        before = np.diag(share / (of * scale) ** 2)
+        total += before
     normal = np.linalg.pinv(total)
     value = normal @ (Z.T @ y)
     r = y - X @ value
@@ -127,5 +136,6 @@ def least_squares(
     else:
         freedom = max(n - p, 1)
         covariance = normal @ (Z.T @ Z) @ normal.T * float(r @ r) / freedom
+    covariance = covariance + normal @ before @ normal.T * float(r @ r) / n
     by, names = np.outer(scale, scale), tuple(columns)
     return Estimate(names, value / scale, covariance / by, freedom, X @ value, r, memory)
