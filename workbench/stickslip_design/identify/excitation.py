@@ -404,7 +404,8 @@ def _others(rows: _Rows) -> dict[str, Estimate]:
         }
     best, shown = rows.best, dict[str, Estimate]()
     for words, column in tried.items():
-        own = rows.numbers({n: rows.moved[n] for n in ("c", "F_k")}, force=column).residual
+        plain = {"c": rows.v, "F_k": sign, "offset": np.ones_like(sign)}
+        own = rows.numbers(plain, force=column).residual
         if own @ own < _OWN * (column @ column):
             continue
         found = rows.fit(column, apart=rows.differ)
