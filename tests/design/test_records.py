@@ -36,13 +36,6 @@ SCREW = axis_of()
 BELT = axis_of(
     'kind = "belt"\nteeth = 32\ntooth_pitch = "5 mm"\ngear = 5\nposition = "motor"',
 )
-TABLE = axis_file_of(
-    STATED.format('kind = "rotary"\ngear = 100')
-    .replace('mass = "95 kg"', 'inertia = "4 kg m2"')
-    .replace('"50 N/um"', '"4 MN m/rad"')
-    .replace("mu_s = 0.1", 'T_s = "60 N m"')
-    .replace("mu_k = 0.08", 'T_k = "45 N m"')
-).axis()
 BARE = axis_file_of(STATED.partition("rated_torque")[0].format('pitch = "10 mm"')).axis()
 RIGID = axis_file_of(STATED.partition("[drive]")[0]).axis()
 PER_TURN = 200.0 * math.pi
@@ -82,11 +75,8 @@ Port\t851\t851
 Unit\tmm (Length)\t(None)
 
 """
-STAMPED = "".join(
-    f"2026-11-29T12:00:00.{i:03d},{x:.10g},{f:.10g}\n"
-    for i, (x, f) in enumerate(zip(X, F, strict=True))
-)
 SINUMERIK = "/Nck/!SD/nckServoDataActPos1stEnc64 [u1, 1]"
+NAMED = "/Nck/!SD/nckServoDataActPos1stEnc64 u1-1 [mm]"
 
 
 @pytest.mark.parametrize(
@@ -99,8 +89,7 @@ SINUMERIK = "/Nck/!SD/nckServoDataActPos1stEnc64 [u1, 1]"
         (SCOPE + rows("\t", True, 1e3, 1e3) + "EOF\n", {}),
         ("time,joint.0.motor-pos-fb [mm],force\n" + rows(x=1e3), {}),
         ("counter,s actual [mm],F\n" + rows(t=1e3, x=1e3), {"t": "1 ms"}),
-        (f"Time,{SINUMERIK},F\n" + rows(x=1e3), {"position": f"{SINUMERIK} [mm]"}),
-        ("time,position,force\n" + STAMPED, {}),
+        (f"Time,{SINUMERIK},F\n" + rows(x=1e3), {"position": NAMED}),
         ("时间 [s],实际位置 [mm],力 [N]\n" + rows(x=1e3), {}),
         ('"t";"weg";"F"\n' + rows(";", True), {}),
     ],
@@ -125,7 +114,6 @@ def test_files_of_many_makers_give_the_same_record(
         ("I nominal [A]", 0.8 * PER_TURN, SCREW, 0.05),
         ("Motor current [mA]", 0.8e-3 * PER_TURN, SCREW, 0.05),
         ("iq", 0.8 * 2.0 * math.pi / 0.032, BELT, 0.05),
-        ("current", 0.8 * 100.0, TABLE, 0.05),
         ("force [kN]", 1e3, SCREW, 0.0),
     ],
 )
@@ -148,19 +136,6 @@ def test_a_force_is_taken_before_torque_and_current_unless_one_of_those_is_named
     assert read(tmp_path, text).force == pytest.approx(1e3 * X)
     named = read(tmp_path, text, SCREW, {"current": "current"})
     assert named.force == pytest.approx(0.8 * PER_TURN * F)
-
-
-def test_a_scope_with_a_time_beside_each_channel_must_have_one_sample_time(tmp_path: Path) -> None:
-    notes = "SampleTime[ms],1,SampleTime[ms],1\nUnit,mm (Length),Unit,N (Force)\n\n"
-    text = f"Name,ActPos,Name,ActualForce\n{notes}" + "".join(
-        f"{1e3 * t:g},{1e3 * x:g},{1e3 * t:g},{f:g}\n" for t, x, f in zip(T, X, F, strict=True)
-    )
-    record = read(tmp_path, text)
-    assert record.t == pytest.approx(T)
-    assert record.position == pytest.approx(X)
-    assert record.force == pytest.approx(F)
-    with pytest.raises(CurveError, match="export those of one sample time"):
-        read(tmp_path, text.replace("7,28,7", "7,28,7.5"))
 
 
 def test_turns_of_the_motor_become_the_speed_of_the_slide(tmp_path: Path) -> None:
@@ -220,6 +195,7 @@ BAD = "t,position [mm],force\n" + rows()
         ("t,x,F\n" + rows(), {"posision": "x"}, None, "posision is none of t, position, command"),
         ("t,speed\n" + rows(), {}, None, "no column of position, force, torque or current; the"),
         ("a,b,c\n" + rows(), {"position": "b"}, None, "no column of time; the columns are a, b, c"),
+        ("Name,ActPos,Name,ActualForce\n", {}, None, "time may be any of Name, Name: name the"),
         ("Trace 7\n\nt,ActPos1,ActPos2\n" + rows(), {}, None, "position may be any of ActPos1, A"),
         (BAD.replace("0.003", ""), {}, None, "line 4: position [mm] is '', not a finite number"),
         (BAD.replace("0.003", "NaN"), {}, None, "line 4: position [mm] is 'NaN', not a finite"),

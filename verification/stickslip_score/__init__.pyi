@@ -10,8 +10,6 @@ from .fit import solved as solved
 from .read import UNITS as UNITS
 from .read import Curve as Curve
 from .read import CurveError as CurveError
-from .read import Quantity as Quantity
-from .read import Wanted as Wanted
 from .read import check_samples as check_samples
 from .read import quantities_of as quantities_of
 from .read import read_columns as read_columns

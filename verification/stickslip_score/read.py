@@ -34,7 +34,6 @@ _MOST_ABOVE = 100  # lines of a header, and of notes and units between it and th
 _WITH_CELLS = re.compile(r"^[^\S\n]*[^#\s].*$", re.MULTILINE)
 _THOUSANDS = re.compile(r"[+-]?[1-9]\d{0,2}(,\d{3})+")
 _NO_THOUSANDS = re.compile(r"\d,(?!\d{3}(?!\d))\d|(?<![\d,])(?:0\d*|\d{4,}),\d")
-_STAMP = re.compile(r"(?:\d{4}-\d\d-\d\d[T ])?(?<!\d)(\d\d):(\d\d):(\d\d)((?:[.,]\d*)?)Z?")
 _SAMPLE_TIME = re.compile(r"([\d.]+(?:e-?\d+)?)\s*(\w+)")
 _OF_AN_AXIS = re.compile(r"\s*\[u(\d+)\s*[,;\s]\s*(\d+)\]")  # behind a signal of Sinumerik
 _NO_UNIT = {"", "-", "1", "None"}
@@ -58,29 +57,24 @@ class Quantity(NamedTuple):
     words: str = ""  # patterns in order of preference, of small letters without blanks and marks
     of: str = ""  # what several may stand for: what a person names, else the first of the table
     jumps: bool = False  # whether it may differ in the two rows that tools write at an event
+    needed: str = ""  # of what has the same text one must be there; refusals call it so
+    named: str = ""  # the column that a person named
 
 
-class Wanted(NamedTuple):
-    """What is read of a file."""
-
-    quantities: Mapping[str, Quantity]
-    required: Mapping[str, str]  # quantities of which one must be there, by what refusals call them
-    names: Mapping[str, str]  # names of columns, by quantity
+Quantities = Mapping[str, Quantity]
+Rows = Mapping[str, Mapping[str, Any]]
 
 
-def quantities_of(
-    rows: Mapping[str, Mapping[str, Any]], units: Mapping[str, Mapping[str, float]]
-) -> dict[str, Quantity]:
-    """Return quantities of a table, whose units are names of tables of `units`."""
+def quantities_of(rows: Rows, units: Rows, names: Mapping[str, str]) -> Quantities:
+    """Return quantities of a table, whose units are names of tables of `units`.
+
+    `names` are those of columns by quantity, of a person.
+    """
     found = {}
     for name, row in rows.items():
         sizes = {unit: size for of in row["units"] for unit, size in units[of].items()}
-        found[name] = Quantity(**{**row, "units": sizes})
+        found[name] = Quantity(**{**row, "units": sizes, "named": names.get(name, "")})
     return found
-
-
-_QUANTITIES = quantities_of(_FILE["columns"], UNITS)
-_REQUIRED = {"time": "t", "the position x nor of the spring force F": "x F"}
 
 
 class CurveError(ValueError):
@@ -103,7 +97,7 @@ class Curve:
     def __post_init__(self) -> None:
         if self.x is None and self.F is None:
             raise CurveError("neither x nor F is given; one of them is needed")
-        columns = {name: getattr(self, name) for name in _QUANTITIES}
+        columns = {name: getattr(self, name) for name in _FILE["columns"]}
         check_samples({name: column for name, column in columns.items() if column is not None})
 
     @classmethod
@@ -209,10 +203,10 @@ def _count_step(column: Floats) -> float:
 def read_curve(path: Path | str, names: Mapping[str, str] | None = None) -> Curve:
     """Read a curve in SI units, of t, x, x_dot and F: see `read_columns`."""
     with refusing(path):
-        printed, units = read_columns(Path(path), Wanted(_QUANTITIES, _REQUIRED, names or {}))
-        return _curve(
-            printed, {n: _QUANTITIES[n].units.get(unit, 1.0) for n, unit in units.items()}
-        )
+        quantities = quantities_of(_FILE["columns"], UNITS, names or {})
+        printed, units = read_columns(Path(path), quantities)
+        sizes = {name: quantities[name].units.get(unit, 1.0) for name, unit in units.items()}
+        return _curve(printed, sizes)
 
 
 @contextmanager
@@ -228,18 +222,18 @@ def refusing(path: Path | str) -> Iterator[None]:
         raise CurveError(f"{path}: {error}") from None
 
 
-def read_columns(file: Path, wanted: Wanted) -> tuple[dict[str, Floats], dict[str, str]]:
+def read_columns(file: Path, quantities: Quantities) -> tuple[dict[str, Floats], dict[str, str]]:
     """Read a text file: numbers as printed, shape (n,), and units, "" for none, by quantity.
 
-    The header is the first line that names what is required. Lines above it, lines of units and
-    notes below it, lines that begin with # and blank lines are passed over. Cells stand between
-    commas, semicolons or tabs. Commas in a cell are decimal where they can be nothing else;
-    thousands separators are refused. A header may carry a unit, ``x [mm]`` or ``time (s)``, or have
-    it below. Of times such as 12:00:00.001 the date is passed over. Two rows of one time with the
-    same position and force, as tools write them at an event, count as one.
+    The header is the first line that names what is needed. Lines above it, lines of units and notes
+    below it, lines that begin with # and blank lines are passed over. Cells stand between commas,
+    semicolons or tabs. Commas in a cell are decimal where they can be nothing else; thousands
+    separators are refused. A header may carry a unit, ``x [mm]`` or ``time (s)``, or have it below.
+    Two rows of one time with the same position and force, as tools write them at an event, count as
+    one.
 
-    Columns without a name are guessed. A name may carry the unit that the header lacks; that of t
-    may be a sample time, ``0.25 ms``. `CurveError` gives line, column and reason.
+    Columns that are not named are guessed. A name may carry the unit that the header lacks; that of
+    t may be a sample time, ``0.25 ms``. `CurveError` gives line, column and reason.
     """
     text = _text(file)
     header_line = _WITH_CELLS.search(text)
@@ -247,25 +241,21 @@ def read_columns(file: Path, wanted: Wanted) -> tuple[dict[str, Floats], dict[st
         raise CurveError("is empty")
     if "\0" in text[: header_line.end()]:
         raise CurveError("is no text file")
-    sampled = _SAMPLE_TIME.fullmatch(wanted.names.get("t", ""))
-    if unit := sampled and _known(sampled[2], wanted.quantities["t"]):
-        required = {what: some for what, some in wanted.required.items() if some != "t"}
-        quantities = {name: of for name, of in wanted.quantities.items() if name != "t"}
-        names = {name: column for name, column in wanted.names.items() if name != "t"}
-        wanted = Wanted(quantities, required, names)
-    layout, units = _layout(text, wanted)
+    sampled = _SAMPLE_TIME.fullmatch(quantities["t"].named)
+    t_unit = _known(sampled[2], quantities["t"]) if sampled else ""
+    if t_unit:
+        quantities = {name: quantity for name, quantity in quantities.items() if name != "t"}
+    layout, units = _layout(text, quantities)
     if not _WITH_CELLS.search(text, layout.start):
         raise CurveError("has no samples below its header")
     table = _table(text, layout)
     printed = {name: table[:, i].copy() for i, name in enumerate(units)}
-    for index, column in zip(layout.needed, printed.values(), strict=False):
+    for index, column in zip(layout.needed, printed.values(), strict=True):
         _check_points(layout.header[index], column)
-    if not (table[:, len(units) :] == table[:, :1]).all():
-        raise CurveError("has channels with times of their own: export those of one sample time")
-    if sampled and unit:
+    if sampled and t_unit:
         t = np.arange(len(table), dtype=np.float64) * float(sampled[1])
-        return {"t": t, **printed}, {"t": unit, **units}
-    samples = _increasing(printed, wanted.quantities, text, layout.start)
+        return {"t": t, **printed}, {"t": t_unit, **units}
+    samples = _increasing(printed, quantities, text, layout.start)
     return {name: column[samples] for name, column in printed.items()}, units
 
 
@@ -275,9 +265,8 @@ def _text(file: Path) -> str:
     # Units such as µm may come in the letters of Windows.
     for encoding in ("utf-16",) if is_utf_16 else ("utf-8-sig", "latin-1"):
         with suppress(UnicodeError):
-            text = file.read_text(encoding)
-            # TwinCAT Scope ends its files so.
-            return text[: text.rindex("EOF")] if text[-9:].rstrip()[-4:] == "\nEOF" else text
+            # TwinCAT Scope ends its files with EOF.
+            return file.read_text(encoding).removesuffix("\n").removesuffix("\nEOF")
     raise CurveError("is no text file")
 
 
@@ -291,37 +280,31 @@ class _Layout(NamedTuple):
     comma: bool  # whether commas are decimal, as some cell shows
 
 
-def _layout(text: str, wanted: Wanted) -> tuple[_Layout, dict[str, str]]:
+def _layout(text: str, quantities: Quantities) -> tuple[_Layout, dict[str, str]]:
     """Find the line that names the columns and where the rows begin; return the units, too."""
     refusals: list[tuple[int, CurveError]] = []
     for line in islice(_WITH_CELLS.finditer(text), _MOST_ABOVE):
-        raw = _OF_AN_AXIS.sub(r" u\1/\2", line[0])
+        raw = _OF_AN_AXIS.sub(r" u\1-\2", line[0])
         separator = next((mark for mark in ";\t" if mark in raw), ",")
         header = [cell.strip().strip("'\"").strip() for cell in _cells(raw, separator)]
         if all(_is_number(cell) for cell in header if cell):
             break
         try:
-            columns = _columns(header, wanted)
+            columns = _columns(header, quantities)
         except CurveError as error:
             refusals.append((sum(not _is_number(cell) for cell in header), error))
             continue
         needed, start, notes = [index for index, _ in columns.values()], line.end(), []
         for below in islice(_WITH_CELLS.finditer(text, start), _MOST_ABOVE):
-            row = _cells(_STAMP.sub(_seconds, below[0]), separator) + [""] * len(header)
-            # TwinCAT Scope has numbers in its notes, each behind the name of the note.
-            is_note = header[0] == "Name" and row[0][:1].isalpha()
-            if not is_note and any(_is_number(row[index]) for index in needed):
+            row = _cells(below[0], separator) + [""] * len(header)
+            if _is_number(row[needed[0]]):
                 break
             notes.append(row)
             start = below.end()
         units = {
-            name: _unit(heading, [row[index] for row in notes], wanted.quantities[name])
+            name: _unit(heading, [row[index] for row in notes], quantities[name])
             for name, (index, heading) in columns.items()
         }
-        # It has a time beside each channel, too.
-        times = [index for index, cell in enumerate(header) if cell == "Name"]
-        beside = {max(i for i in times if i <= index) for index in needed} if times[1:] else set()
-        needed += sorted(beside - set(needed)) if "t" in columns else []
         comma = separator != "," and text.find(".", start) < 0 and _NO_THOUSANDS.search(text, start)
         return _Layout(separator, header, needed, start, bool(comma)), units
     if not refusals:
@@ -329,19 +312,20 @@ def _layout(text: str, wanted: Wanted) -> tuple[_Layout, dict[str, str]]:
     raise max(refusals, key=lambda refusal: refusal[0])[1]
 
 
-def _columns(header: Sequence[str], wanted: Wanted) -> dict[str, tuple[int, str]]:
+def _columns(header: Sequence[str], quantities: Quantities) -> dict[str, tuple[int, str]]:
     """Return by quantity the place of its column, and the text that has its unit."""
-    columns, taken = {}, {wanted.quantities[name].of or name for name in wanted.names}
-    for symbol, quantity in wanted.quantities.items():
+    columns, taken = {}, {each.of or symbol for symbol, each in quantities.items() if each.named}
+    for symbol, quantity in quantities.items():
         of = quantity.of or symbol
-        if symbol in wanted.names:
-            columns[symbol] = _named(_OF_AN_AXIS.sub(r" u\1/\2", wanted.names[symbol]), header)
+        if quantity.named:
+            columns[symbol] = _named(quantity.named, header)
         elif of not in taken and (guess := _guess(quantity, header)) is not None:
             columns[symbol] = guess, header[guess]
             taken.add(of)
-    for what, any_of in wanted.required.items():
-        if not columns.keys() & set(any_of.split()):
-            raise CurveError(f"no column of {what}; the columns are {', '.join(header)}")
+    there = {"", *(quantities[symbol].needed for symbol in columns)}
+    for quantity in quantities.values():
+        if quantity.needed not in there:
+            raise CurveError(f"no column of {quantity.needed}; the columns are {', '.join(header)}")
     return columns
 
 
@@ -356,10 +340,6 @@ def _cells(line: str, separator: str) -> list[str]:
         raise CurveError(f"cannot be split into cells: {error}") from None
 
 
-def _has_cells(line: str) -> bool:
-    return line.lstrip()[:1] not in ("", "#")
-
-
 def _table(text: str, layout: _Layout) -> Floats:
     """Return the numbers of the needed columns, shape (n, columns)."""
     # Every line has as many cells as the header, and no cell a quote or a comma of its own.
@@ -370,7 +350,6 @@ def _table(text: str, layout: _Layout) -> Floats:
     while _WITH_CELLS.search(text, start):
         end = text.find("\n", start + _PIECE) + 1 or len(text)
         piece = text[start:end]
-        piece = _STAMP.sub(_seconds, piece) if ":" in piece else piece
         rows = (piece.replace(",", ".") if layout.comma else piece).split("\n")
         table = np.empty((0, 0))
         with suppress(ValueError, IndexError):
@@ -382,11 +361,6 @@ def _table(text: str, layout: _Layout) -> Floats:
         tables.append(table)
         start = end
     return np.concatenate(tables)
-
-
-def _seconds(stamp: re.Match[str]) -> str:
-    """Return a time of the day in seconds, with the decimals that it has."""
-    return f"{(int(stamp[1]) * 60 + int(stamp[2])) * 60 + int(stamp[3])}{stamp[4]}"
 
 
 def _number(text: str) -> float:
@@ -432,11 +406,10 @@ def _guess(quantity: Quantity, header: Sequence[str]) -> int | None:
     matches = [i for i, name in enumerate(names) if name.casefold() in others] or [
         i for i, name in enumerate(names) if name.rpartition(".")[2].casefold() in others
     ]
-    ends = [re.split(r"[./:]", re.sub(r" u\d+/\d+$", "", name))[-1] for name in names]
-    ends = [re.sub(r"[\W_]", "", name).casefold() for name in ends]
+    ends = [re.sub(r"[\W_]", "", re.split(r"[./:]", name)[-1]).casefold() for name in names]
     for pattern in quantity.words.split():
         matches = matches or [i for i, end in enumerate(ends) if fnmatchcase(end, pattern)]
-    if len(matches) > 1 and {names[i] for i in matches} != {"Name"}:
+    if len(matches) > 1:
         candidates = ", ".join(header[i] for i in matches)
         raise CurveError(f"{quantity.meaning} may be any of {candidates}: name the column")
     return matches[0] if matches else None
@@ -454,7 +427,7 @@ def _known(unit: str, quantity: Quantity) -> str:
 def _unit(heading: str, notes: Sequence[str], quantity: Quantity) -> str:
     """Return the unit in a heading, else that in the notes below it: ``mm``, ``mm (Length)``."""
     name, stated = _split(heading)
-    parts = [part for cell in notes for part in (cell.strip(" []()"), *_split(cell)[::-1])]
+    parts = [part for cell in notes for part in (cell.strip(" []()"), *_split(cell))]
     stated = stated or next((part for part in parts if _known(part, quantity)), "")
     if not stated and len(notes) == 1 and parts[0] not in _NO_UNIT:
         stated = parts[0]
@@ -469,7 +442,7 @@ def _split_table(piece: str, first: int, layout: _Layout) -> Floats:
     header, needed = layout.header, layout.needed
     texts, numbers = [], []
     for number, line in enumerate(piece.split("\n"), first):
-        if not _has_cells(line):
+        if line.lstrip()[:1] in ("", "#"):
             continue
         row = _cells(line, layout.separator)
         if line.count('"') % 2:
@@ -517,7 +490,7 @@ def _check_points(name: str, column: Floats) -> None:
 
 
 def _increasing(
-    printed: Mapping[str, Floats], quantities: Mapping[str, Quantity], text: str, start: int
+    printed: Mapping[str, Floats], quantities: Quantities, text: str, start: int
 ) -> NDArray[np.bool_]:
     """Return where the samples are, without the first row of each event."""
     t = printed["t"]

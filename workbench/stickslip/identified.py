@@ -11,13 +11,15 @@ from typing import TYPE_CHECKING, Any
 from stickslip.files import write
 from stickslip.results import Shown
 from stickslip.show.tables import identified_summary
+from stickslip_design.axis import AxisFile, AxisSource, read_axis_file
+from stickslip_design.identify import plots, report, study
+from stickslip_design.identify.axis_text import axis_of, written
+from stickslip_design.identify.model import Floats, Identified
+from stickslip_design.identify.read import read_record, record_of
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
     from rich.console import RenderableType
-
-    from stickslip_design.axis import AxisFile, AxisSource
-    from stickslip_design.identify.model import Floats, Identified
 
 
 @dataclass(frozen=True, repr=False)
@@ -35,17 +37,13 @@ class Identification(Shown):
     @cached_property
     def axis_text(self) -> str:
         """The axis file with the numbers that the record tells, each with its ±."""
-        from stickslip_design.identify.axis_text import written
-
         return written(self.found, self.file, self.source)
 
     @cached_property
     def sentence(self) -> str:
         """What the axis does with these numbers, and what ends that; or what is missing."""
-        from stickslip_design.identify.report import sentence
-
-        folder = self.file.folder if self.file else None
-        said = sentence(self.axis_text, self.file.name if self.file else "axis.toml", folder)
+        name, folder = (self.file.name, self.file.folder) if self.file else ("axis.toml", None)
+        said = report.sentence(self.axis_text, name, folder)
         return f"{said}{' But the model does not explain the record.' * (not self.found.explained)}"
 
     def table(self) -> RenderableType:
@@ -54,21 +52,15 @@ class Identification(Shown):
 
     def to_dict(self) -> dict[str, Any]:
         """Return numbers, intervals and findings [SI] as JSON knows them, without the samples."""
-        from stickslip_design.identify.report import data
-
-        return data(self.found, self.source, self.sentence)
+        return report.data(self.found, self.source, self.sentence)
 
     def html(self) -> str:
         """Return the report as a page that asks for nothing outside itself."""
-        from stickslip_design.identify.report import html
-
-        return html(self.found, self.source, self.sentence)
+        return report.html(self.found, self.source, self.sentence)
 
     def plot(self) -> Figure:
         """Draw the record with its parts, the fit over it, and what the fit leaves."""
-        from stickslip_design.identify.plots import courses
-
-        return courses(self.found)
+        return plots.courses(self.found)
 
     def report(self, file: Path | str) -> Path:
         """Write the report, and return its path."""
@@ -94,8 +86,8 @@ def identify(
         A CSV file, docs/identify.md; or columns [SI], each of shape (n,), by name: ``t``,
         ``position``, ``command``, ``velocity``, ``force``.
     axis
-        The axis, as of `design`: its drive, what of its numbers is known, its feeds; its friction
-        may be missing. None: a rigid drive, of which nothing is known.
+        The axis, as of `design`, whose friction may be missing. None: a rigid drive, of which
+        nothing is known.
     columns
         Names of columns with the unit that a header lacks, by quantity
         (``{"position": "x [mm]"}``); others are guessed.
@@ -105,18 +97,12 @@ def identify(
     ValueError
         If record or axis cannot be used, in one line.
     """
-    from stickslip_design.axis import read_axis_file
-    from stickslip_design.identify import study
-    from stickslip_design.identify.axis_text import axis_of
-    from stickslip_design.identify.read import read_record, record_of
-    from stickslip_design.identify.report import scaled
-
     file = None if axis is None else read_axis_file(axis)
     known = None if file is None else axis_of(file)
     if isinstance(record, Mapping):
         source, samples = "the record", record_of(record, known)
     else:
-        source, samples = Path(record).name, read_record(Path(record), columns, known)
+        source, samples = Path(record).name, read_record(record, columns, known)
     drive = known.drive if known else None
-    found = scaled(study.identify(samples, known), samples.force_spread, drive)
+    found = report.scaled(study.identify(samples, known), samples.force_spread, drive)
     return Identification(found, source, file)

@@ -412,21 +412,19 @@ def design_summary(verdict: Verdict) -> RenderableType:
 def identified_summary(found: Identified, source: str, then: str) -> RenderableType:
     """Make the summary of what a record tells, in 80 columns; `then` is what the axis does."""
     from stickslip_design.identify import report
-    from stickslip_design.report.tables import Grid
 
-    found_numbers = report.numbers(found)
-    rows = [(f"{name}\n  {meaning}", *row) for name, meaning, *row, _ in found_numbers.rows]
-    table = of_grid(Grid(("number", *found_numbers.head[2:-1]), rows, frozenset(range(1, 5))))
-    untold = [f"cannot tell {what}: {why}" for what, why in found.untold]
-    parts = [
+    numbers = report.numbers(found)
+    rows = [(f"{name}\n  {meaning}", "", *row) for name, meaning, *row in numbers.rows]
+    said = [f"cannot tell {what}: {why}" for what, why in found.untold]
+    next_one = [f"measure next: {found.following}"] if found.following else []
+    return Group(
         Text.assemble(f"{source}: ", (found.kind, "bold"), f", as {found.reason}"),
-        *([table] if rows else []),
-        *map(Text, (*untold, *found.notes)),
+        of_grid(numbers._replace(rows=rows).of(0, 2, 3, 4, 5)),
+        *map(Text, (*said, *found.notes)),
         Text(report.explains(found), "" if found.explained else "bold yellow"),
-        *([Text(f"measure next: {found.following}")] if found.following else []),
+        *map(Text, next_one),
         Text(then, "bold"),
-    ]
-    return Group(*parts)
+    )
 
 
 def of_grid(shown: Grid) -> RenderableType:

@@ -6,7 +6,6 @@ from typing import Final
 
 import matplotlib as mpl
 import numpy as np
-from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from stickslip_units import scale_for, scale_of
@@ -15,10 +14,8 @@ from stickslip_verification.report.svg import BLUE, GREY, INK, ORANGE, STYLE
 from ..report.plots import LETTERS, NARROW, WIDE
 from .model import Identified
 
-_FILLS: Final = ("#dfeaf3", "#f6e3d3", "#e6efdc", "#ece3f1")
-"""What segments are told apart by, as far as there are colours."""
-_LETTER: Final = 0.009
-"""Width of a letter of a label, as part of a picture."""
+_FILL: Final = 0.2
+"""How strong the colours of segments are."""
 _GAP: Final = 5.0
 """Steps of time that are longer than so many others are gaps."""
 
@@ -43,29 +40,22 @@ def courses(found: Identified) -> Figure:
             rest.plot(t, left / fine.size, color=ORANGE, lw=0.7)
             main.set(ylabel=scale.label(f"{trace.name} "), xlim=(trace.t[0], trace.t[-1]))
             rest.set_ylabel(fine.label("residual\n"))
+        names = {
+            name: n for n, name in enumerate(dict.fromkeys(part[2] for part in found.segments))
+        }
+        colours = mpl.colormaps["rainbow"](np.linspace(0.0, 1.0, len(names)), alpha=_FILL)
         for on in panels.flat:
-            _segments(on, found, names=on is panels.flat[0])
+            for begin, end, name in found.segments:
+                on.axvspan(begin, end, color=colours[names[name]], lw=0.0, zorder=0, label=name)
         page.align_ylabels()
         panels.flat[-1].set_xlabel("time  [s]", loc="right", labelpad=1.0)
-        handles, names = panels.flat[0].get_legend_handles_labels()
+        handles, labels = panels.flat[0].get_legend_handles_labels()
+        looks = dict(zip(labels, handles, strict=True))
         page.legend(
-            handles, names, loc="outside upper left", ncols=6, fontsize=LETTERS, handlelength=1.4
-        )
+            looks.values(), looks, loc="outside upper left", ncols=5, fontsize=LETTERS,
+            handlelength=1.4,
+        )  # fmt: skip
     return page
-
-
-def _segments(on: Axes, found: Identified, *, names: bool) -> None:
-    """Mark the segments of a record, told apart by colours, or by their names in them."""
-    kinds = list(dict.fromkeys(name for *_, name in found.segments))
-    coloured, (begin, end) = len(kinds) <= len(_FILLS), on.get_xlim()
-    for begins, ends, name in found.segments:
-        colour = _FILLS[kinds.index(name) % 2 if not coloured else kinds.index(name)]
-        on.axvspan(begins, ends, color=colour, lw=0.0, zorder=0)
-        if names and not coloured and (ends - begins) / (end - begin) > _LETTER * len(name):
-            middle, across = 0.5 * (begins + ends), on.get_xaxis_transform()
-            on.text(middle, 1.0, name, transform=across, ha="center", fontsize=7.0)
-    for name in kinds if names and coloured else ():
-        on.fill_between([], [], color=_FILLS[kinds.index(name)], lw=0.0, label=name)
 
 
 def friction(found: Identified) -> Figure | None:

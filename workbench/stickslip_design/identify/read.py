@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 import stickslip_score as score
-from stickslip_score import CurveError, Quantity, Wanted
+from stickslip_score import CurveError
 from stickslip_units import told
 
 from ..axis import Axis, Drive
@@ -25,21 +25,7 @@ _GAP: Final = 1.5
 
 _FILE: Final = tomllib.loads(Path(__file__).with_name("columns.toml").read_text(encoding="utf-8"))
 _UNITS: Final = {**score.UNITS, **_FILE["units"]}
-_REQUIRED: Final = {
-    "time": "t",
-    "position, force, torque or current": "position force torque current",
-}
 _AT_SLIDE: Final = ("t", "position", "command", "velocity", "force")
-
-
-def _quantities(axis: Axis | None) -> dict[str, Quantity]:
-    """Return what the columns of a record may be; of a rotary table angles and torques."""
-    rotary = _FILE["rotary"] if axis and axis.turns else {}
-    rows = {
-        name: {**row, "units": rotary.get(name, row["units"])}
-        for name, row in _FILE["columns"].items()
-    }
-    return score.quantities_of(rows, _UNITS)
 
 
 def read_record(
@@ -52,11 +38,11 @@ def read_record(
     ``"0.25 ms"``. `axis` turns torque, percent of its rated torque, and current into force.
     `CurveError` names the file, line and column, and the reason.
     """
-    quantities, names = _quantities(axis), columns or {}
+    quantities = score.quantities_of(_FILE["columns"], _UNITS, columns or {})
     with score.refusing(path):
-        if unknown := names.keys() - quantities:
+        if unknown := (columns or {}).keys() - quantities:
             raise CurveError(f"{min(unknown)} is none of {', '.join(quantities)}")
-        printed, units = score.read_columns(Path(path), Wanted(quantities, _REQUIRED, names))
+        printed, units = score.read_columns(Path(path), quantities)
         sizes = {name: quantities[name].units.get(unit, 1.0) for name, unit in units.items()}
         return _record(printed, units, sizes, axis)
 
@@ -74,7 +60,7 @@ def record_of(columns: Mapping[str, ArrayLike], axis: Axis | None = None) -> Rec
 
 
 def _record(
-    printed: Mapping[str, Floats],
+    printed: dict[str, Floats],
     units: Mapping[str, str],
     sizes: dict[str, float],
     axis: Axis | None,
@@ -86,17 +72,16 @@ def _record(
     spread, drive = 0.0, axis.drive if axis else None
     if source in ("torque", "current"):
         factor, by, spread = _to_force(source, units[source], axis)
-        sizes[source] *= factor
+        printed["force"], sizes["force"] = printed[source], sizes[source] * factor
         scales = f"; its ± of {100.0 * spread:.3g} % scales mass and all forces" if spread else ""
         notes.append(f"motor {source} was turned into force by {by}{scales}")
     if units.get("velocity") in _UNITS["motor_speed"]:
         sizes["velocity"] *= _drive("velocity", axis).pitch / (2.0 * math.pi)
     if drive and not drive.on_table and "position" in printed:
         notes.append("the position is that of the motor, as drive.position says")
-    as_named = {("force" if name == source else name): name for name in printed}
-    found = {name: printed[n] * sizes[n] for name, n in as_named.items() if name in _AT_SLIDE}
-    halves = score.roundings({as_named[name]: printed[as_named[name]] for name in found})
-    rounding = {name: halves[as_named[name]] * sizes[as_named[name]] for name in found}
+    at_slide: dict[str, Floats] = {name: printed[name] for name in _AT_SLIDE if name in printed}
+    found = {name: column * sizes[name] for name, column in at_slide.items()}
+    rounding = {name: half * sizes[name] for name, half in score.roundings(at_slide).items()}
     notes += _uneven(found["t"], rounding["t"])
     return Record(**found, rounding=rounding, force_spread=spread, notes=tuple(notes))
 
@@ -112,7 +97,7 @@ def _to_force(source: str, unit: str, axis: Axis | None) -> tuple[float, str, fl
     """Return force at the slide per torque or current, what it is by, and its relative ±."""
     drive, spread = _drive(source, axis), axis.spread if axis else {}
     per_turn = 2.0 * math.pi / drive.pitch
-    way = f"{told(drive.pitch, 'rad' if drive.kind == 'rotary' else 'm')} per turn"
+    way = f"{told(drive.pitch, 'm')} per turn"
     if source == "torque" and unit != "%":
         return per_turn, way, 0.0
     key, of = ("rated_torque", "N m") if source == "torque" else ("torque_constant", "N m/A")

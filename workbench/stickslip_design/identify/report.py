@@ -15,7 +15,7 @@ from ..report.tables import Grid
 from ..study import design
 from ..verdict import Robustness, feed_in_words, judder
 from . import plots
-from .axis_text import rounded
+from .axis_text import shown
 from .model import Identified, Number
 
 FORMAT: Final = 1
@@ -28,38 +28,32 @@ def scaled(found: Identified, spread: float, drive: Drive | None = None) -> Iden
     It counts with what the motor itself took. Both parts of an interval are independent: their
     squares add up.
     """
-    own = {"axis.mass": drive.inertia, "friction.F_k": drive.dry} if drive else {}
-    own |= dict.fromkeys(("axis.c", "c forward", "c backward"), drive.d) if drive else {}
-    wider = []
-    for each in found.numbers:
-        if spread and each.scales:
-            part = spread * (abs(each.value) + own.get(each.name, 0.0))
-            below, above = (math.hypot(e - each.value, part) for e in (each.low, each.high))
-            why = (each.why, f"± {100.0 * spread:.2g} % of the force's scale")
-            said, low, high = "; ".join(filter(None, why)), each.value - below, each.value + above
-            each = replace(each, low=low, high=high, why=said)
-        wider.append(each)
-    return replace(found, numbers=tuple(wider))
+    own = dict.fromkeys(("axis.c", "c forward", "c backward"), drive.d) if drive else {}
+    own |= {"axis.mass": drive.inertia, "friction.F_k": drive.dry} if drive else {}
+
+    def wider(number: Number) -> Number:
+        part = spread * (abs(number.value) + own.get(number.name, 0.0))
+        below, above = (math.hypot(end - number.value, part) for end in (number.low, number.high))
+        why = "; ".join(
+            filter(None, (number.why, f"± {100.0 * spread:.2g} % of the force's scale"))
+        )
+        return replace(number, low=number.value - below, high=number.value + above, why=why)
+
+    every = (wider(each) if spread and each.scales else each for each in found.numbers)
+    return replace(found, numbers=tuple(every))
 
 
 def numbers(found: Identified) -> Grid:
     """Return the numbers with their intervals; the last column says what these come from."""
-    return Grid(
-        ("number", "what it is", "value", "from", "to", "±", "why so wide"),
-        [_row(each) for each in found.numbers],
-        frozenset({2, 3, 4, 5}),
-    )
-
-
-def _row(number: Number) -> tuple[str, ...]:
-    half = 0.5 * (number.high - number.low)
-    scale = scale_for(max(abs(number.value), half if math.isfinite(half) else 0.0), number.unit)
-    ends = (number.value, number.low, number.high)
-    cut = (rounded(each / scale.size, half / scale.size)[0] for each in ends)
-    shown = [each.replace("-", "\N{MINUS SIGN}").replace("inf", "∞") for each in cut]
-    width = f"{100.0 * number.width:.2g} %" if number.known else "not identified"
-    value = f"{shown[0]} {scale.symbol}".replace(".s", "·s").strip()
-    return number.name, number.meaning, value, *shown[1:], width, number.why
+    rows = []
+    for each in found.numbers:
+        half = 0.5 * (each.high - each.low)
+        *ends, _, unit = shown(each.unit, half, each.value, each.low, each.high)
+        value, *ends = (end.replace("-", "\N{MINUS SIGN}").replace("inf", "∞") for end in ends)
+        width = f"{100.0 * each.width:.2g} %" if each.known else "not identified"
+        rows.append((each.name, each.meaning, f"{value} {unit}".strip(), *ends, width, each.why))
+    head = ("number", "what it is", "value", "from", "to", "±", "why so wide")
+    return Grid(head, rows, frozenset({2, 3, 4, 5}))
 
 
 def explains(found: Identified) -> str:
@@ -84,27 +78,23 @@ def sentence(text: str, name: str, folder: Path | None = None) -> str:
         return f"These numbers are not enough for a verdict: {error.key} {error.reason}."
     worst, usual = judder(verdict.points), verdict.varied_by_default
     if verdict.robustness is None or not verdict.stable:
-        more = " State its feeds for a share and a measure." if verdict.stable else ""
-        return f"{verdict.sentence}{more}"
-    usual_too = f" (of {', '.join(usual)} the usual ±)" if usual else ""
-    clean, within = _clean(verdict.robustness), f"of what their ± allow{usual_too}"
+        return verdict.sentence
+    clean, within = _clean(verdict.robustness), "of what their ± allow"
+    within += f" (of {', '.join(usual)} the usual ±)" if usual else ""
     if worst is None:
         return f"With these numbers the axis moves evenly at its feeds in {clean} % {within}."
-    more = " more than is allowed" * bool(verdict.axis.demand.largest_jump)
     others = " or another of its feeds" * (len(verdict.points) > 1)
-    said = (
-        f"With these numbers the axis {'jumps' if worst.jumps else 'swings'}{more} at "
-        f"{feed_in_words(worst.feed)}{others} in {100 - clean} % {within}; "
-    )
     enough = [one for one in verdict.measures if one.enough and one.effort != "program"]
-    if not enough:
-        return f"{said}no measure of the catalogue ends that."
-    surest = max(enough, key=lambda one: _clean(one.robustness))
+    surest = sorted(enough, key=lambda one: -_clean(one.robustness))
     ends = [
         f"{one.name} ({one.effort}) ends that in {_clean(one.robustness)} %"
-        for one in dict.fromkeys((enough[0], surest))
+        for one in dict.fromkeys((*enough[:1], *surest[:1]))
     ]
-    return f"{said}{', '.join(ends)}."
+    return (
+        f"With these numbers the axis {'jumps' if worst.jumps else 'swings'} at "
+        f"{feed_in_words(worst.feed)}{others} in {100 - clean} % {within}; "
+        f"{', '.join(ends) or 'no measure of the catalogue ends that'}."
+    )
 
 
 def _clean(found: Robustness | None) -> int:
