@@ -37,9 +37,9 @@ def identify(
         taken.append(target.resolve())
     with meter("Identifying"):
         found = identified(record, axis, column)
-        texts = [found.html(), *[found.axis_text] * bool(write), *[found.to_json()] * bool(json)]
-    for (option, target), text in zip(targets.items(), texts, strict=True):
-        files.write(target, f"{text.rstrip()}\n".encode(), option)
+        texts = {"--output": found.html(), "--write": found.axis_text, "--json": found.to_json()}
+    for option, target in targets.items():
+        files.write(target, f"{texts[option].rstrip()}\n".encode(), option)
     console().print(found.table())
     print("report:", ", ".join(map(str, targets.values())))
     if write:

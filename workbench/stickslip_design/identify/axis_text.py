@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import math
 import re
-from collections.abc import Iterable, Iterator, Mapping, Set
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import replace
 from typing import Final
 
@@ -68,23 +68,15 @@ def written(found: Identified, file: AxisFile | None, source: str) -> str:
         if key and (quantity := _quantity(key, number)):
             note = "95 %" if number.known else "not identified: a range"
             new[path] = f'{key.name} = "{quantity}"  # {source}, {note}'
-        else:
-            why = "its interval is too wide for the key" if key else "no key of an axis file"
-            value, half, unit = shown(number.unit, 0.5 * (number.high - number.low), number.value)
-            said.append(f"{path} = {value} ± {half} {unit} ({number.meaning}): {why}")
+        elif key:
+            said.append(f"{path} is not stated: its interval is too wide for the key")
     static, kinetic = _frictions(file)
-    now = file.values.get(static) if file else None
-    old = {place(KEYS[path].section, name) for path in new for name in KEYS[path].excludes}
-    if kinetic in new and static not in new and isinstance(now, Stated):
-        then = "is held"
-        if now.value < numbers[kinetic].value:
-            then = "is below the kinetic one: measure it"
-            old.add(static)
-        said.append(f"static friction is not in this record: {static} of the file {then}")
+    if file and static in file.values and kinetic in new and static not in new:
+        said.append(f"static friction is not in this record: {static} of the file is held")
     said += [f"this record cannot tell {what}: {why}" for what, why in found.untold]
     missing = () if file else (KEYS[path] for path in _RIGID if path not in new)
     said += [f"missing: {key.path}, such as {key.name} = {key.example}" for key in missing]
-    lines = _edited(_lines(file) if file else [], new, old)
+    lines = _edited(_lines(file) if file else ["[axis]", "", "[friction]"], new)
     return "\n".join((*(_OURS + " ".join(each.split()) for each in said), *lines, ""))
 
 
@@ -122,11 +114,12 @@ def _lines(file: AxisFile) -> list[str]:
     return lines
 
 
-def _edited(lines: Iterable[str], new: Mapping[str, str], old: Set[str]) -> Iterator[str]:
-    """Yield lines with new ones below the headers; those of new and old keys become comments.
+def _edited(lines: Iterable[str], new: Mapping[str, str]) -> Iterator[str]:
+    """Yield lines with new ones below the headers; what says the same becomes a comment.
 
     With a key go those that need it.
     """
+    old = {place(KEYS[path].section, name) for path in new for name in KEYS[path].excludes}
     needs = {key.path: place(key.section, (key.goes_with or ("",))[0]) for key in KEYS.values()}
     left, section = dict(new), ""
     for line in lines:
@@ -182,9 +175,11 @@ def _for_file(numbers: Mapping[str, Number], file: AxisFile) -> dict[str, Number
 
 
 def _quantity(key: Key, number: Number) -> str:
-    """Return an interval as a file states it, middle ± half; empty where the key takes it not."""
+    """Return a number, or the range of an unknown one, as a file has it; empty: too wide for it."""
     low, high = max(number.low, 0.0) if key.within is LEAST else number.low, number.high
     middle, half = 0.5 * (low + high), 0.5 * (high - low)
+    if number.known:
+        middle, half = number.value, max(high - number.value, number.value - low)
     inside = low in key.within and high in key.within
     if not inside or (key.within is ABOVE and low < _LOW * middle):
         return ""
