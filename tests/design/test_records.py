@@ -198,6 +198,7 @@ BAD = "t,position [mm],force\n" + rows()
         ("Name,ActPos,Name,ActualForce\n", {}, None, "time may be any of Name, Name: name the"),
         ("Trace 7\n\nt,ActPos1,ActPos2\n" + rows(), {}, None, "position may be any of ActPos1, A"),
         (BAD.replace("0.003", ""), {}, None, "line 4: position [mm] is '', not a finite number"),
+        (BAD.replace("\n0,", "\n,"), {}, None, "line 2: t is '', not a finite number"),
         (BAD.replace("0.003", "NaN"), {}, None, "line 4: position [mm] is 'NaN', not a finite"),
         (BAD.replace("0.003", "a"), {}, None, "line 4: position [mm] is 'a', not a finite"),
         ("x\n\n" + BAD.replace("0.002,", "0,"), {}, None, "line 6: time does not increase (0 aft"),

@@ -297,7 +297,8 @@ def _layout(text: str, quantities: Quantities) -> tuple[_Layout, dict[str, str]]
         needed, start, notes = [index for index, _ in columns.values()], line.end(), []
         for below in islice(_WITH_CELLS.finditer(text, start), _MOST_ABOVE):
             row = _cells(below[0], separator) + [""] * len(header)
-            if _is_number(row[needed[0]]):
+            # A note has its name where the time stands, and may have numbers behind it.
+            if any(_is_number(row[n]) for n in (needed[:1] if row[needed[0]].strip() else needed)):
                 break
             notes.append(row)
             start = below.end()
