@@ -127,6 +127,28 @@ def test_only_slips_are_stick_slip() -> None:
         stick_slip(even)
 
 
+def test_a_command_of_few_digits_is_one_speed() -> None:
+    """A command of 12 bits steps, and tells the feed to a part of a step all the same."""
+    record = noisy(pulled(), 6)
+    assert record.command is not None
+    unit = float(np.ptp(record.command)) / 4096
+    found = stick_slip(replace(record, command=unit * np.round(record.command / unit)))
+    assert is_stick_slip(record)
+    assert found.number("axis.stiffness").value == pytest.approx(k, rel=2e-3)
+
+
+def test_a_creep_between_slips_is_said() -> None:
+    """A table that creeps by half the noise in each stick shifts the numbers: it is said."""
+    record = noisy(pulled(begin=3.0), 7, 1e-4, 3e-3)
+    assert record.position is not None
+    plain = stick_slip(record)
+    assert plain.explained
+    ends = [end for _, end, _ in plain.segments]
+    creep = np.interp(record.t, ends, np.resize([-0.5, 0.5], len(ends)))
+    creeping = replace(record, position=record.position + 5e-8 * creep)
+    assert any("creeps" in fault for fault in stick_slip(creeping).residual.faults)
+
+
 def test_the_loop_of_a_servo_is_in_the_fit() -> None:
     """A servo axis gives way while its table jumps; its own numbers come out, from other ones."""
     feed, step, rows = 5e-4, 1e-3, []

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field, replace
 from typing import Final
 
@@ -11,21 +11,32 @@ import numpy as np
 from scipy.stats import chi2
 from scipy.stats import t as student
 
-from stickslip_score import by_cycle
+from stickslip_score import Solution, by_cycle
 
 from ..axis import Axis
-from .block import Block, fitted, measured, noise_of, one_by_one, reweighted, shown
+from .block import DRIFTS as _DRIFTS
+from .block import Block, fitted, measured, noise_of, one_by_one, shown
 from .cycles import Run, runs_of
 from .looped import Loop, fitted_loop, settled
 from .model import Floats, Identified, Number, Record, Residual, Trace
-from .nonlinear import Fitted, fit
+from .nonlinear import Fitted
 
 _MODEL: Final = 5e-4
 """Of a number of a servo axis: what its simulation leaves open."""
 _SPARSE: Final = 1.0
 """Radians of the slip between two samples, above which it is not seen."""
-_USUAL, _OFF = (1e-3, 3.0), 30.0
-"""Static coefficients that there are, and how far a mass may be off that of an axis file."""
+_FAR: Final = 10.0
+"""Of the scatter of a column: a residual that is not its noise; coloured noise has six."""
+_CREEPS: Final = 4.5
+"""Deviations of a creep in stick that is none by chance in 100,000 records."""
+_NOTHING: Final = 0.25
+"""Mean square of a residual, over its noise, that a solver's digits leave."""
+_DIFFERS: Final = 1e-3
+"""Chance of a difference between feeds."""
+_CLEARLY: Final = 4.0
+"""Of Akaike's criterion: the better law."""
+_DRAWN: Final = 3000
+"""Samples of a trace."""
 _MUCH: Final = 0.3
 """Of the time in which the command moves: in cycles."""
 _EVENLY, _VERY_EVENLY = 0.4, 0.1
@@ -33,7 +44,13 @@ _EVENLY, _VERY_EVENLY = 0.4, 0.1
 _TOGETHER, _COUNTS = 0.3, 4.0
 """Correlation of force and spring, and counts of an encoder by which that falls in a slip."""
 _SURELY: Final = 1e-6
-"""Chance of a finding that is none: of a drift, a delay, another speed."""
+"""Chance of a finding that is none: of a drift, a delay."""
+_COLUMNS, _UNITS = {"x": "position", "F": "force"}, {"x": "m", "F": "N"}
+_LEVELS, _COEFFICIENTS = ("friction.F_s", "friction.F_k"), ("friction.mu_s", "friction.mu_k")
+_BY_SPEED: Final = ("gap", "axis.stiffness", "axis.mass", "axis.c")
+_WHYS: Final = dict.fromkeys(_LEVELS, "the zero of the force is taken as true") | dict.fromkeys(
+    _COEFFICIENTS, "the spring is taken as relaxed before the command begins"
+)
 
 
 def is_stick_slip(record: Record, axis: Axis | None = None) -> str:
@@ -47,9 +64,7 @@ def is_stick_slip(record: Record, axis: Axis | None = None) -> str:
         return ""
     runs = [run for run in every if not run.still and _is_even(run, record)]
     lasts = sum(run.highs[-1] - run.highs[0] for run in runs)
-    if lasts < _MUCH * sum(float(run.t[-1] - run.t[0]) for run in every):
-        return ""
-    if not runs:
+    if not runs or lasts < _MUCH * sum(float(run.t[-1] - run.t[0]) for run in every):
         return ""
     slips = sum(len(run.lows) for run in runs)
     return f"the table rests and slips {slips} times while the command goes one way"
@@ -109,14 +124,6 @@ _MEANINGS: Final = {
     "friction.mu_s": ("static coefficient", "1"),
     "friction.mu_k": ("kinetic coefficient", "1"),
 }
-_FORCES: Final = (
-    "axis.stiffness",
-    "axis.mass",
-    "axis.c",
-    "F_s - F_k",
-    "friction.F_s",
-    "friction.F_k",
-)
 
 
 def number_of(name: str, value: float, low: float, high: float, why: str = "") -> Number:
@@ -127,22 +134,22 @@ def number_of(name: str, value: float, low: float, high: float, why: str = "") -
         value, low, high = max(value, 0.0), max(low, 0.0), max(high, high - value, 0.0)
     return Number(
         name=name, meaning=meaning, unit=unit, value=value, low=low, high=high,
-        scales=name in _FORCES, why=why,
+        scales="N" in unit or unit == "kg", why=why,
     )  # fmt: skip
 
 
 def _of_block(record: Record, axis: Axis | None, runs: list[Run], reason: str) -> Identified:
     told = _Told(notes=list(record.notes))
-    block = Block(tuple(runs), (False,) * len(runs), noise_of(record, runs))
+    block = Block(tuple(run.from_rest() for run in runs), noise_of(record, runs))
+    own = block.noise
     block, found = _with_extras(*fitted(block), told)
     cycles = sum(len(run.highs) for run in block.runs)
     told.faults += _faults(_phases(block, found.value), found)
-    by_cycle_ = bool(told.faults)
-    if by_cycle_:
+    told.faults += _misfits(block, found, own)
+    singly, drifts = bool(told.faults), _DRIFTS[0] in block.extras
+    if singly:
         block, found = one_by_one(block, found)
-    _tell(block, found, axis, by_cycle_, told)
-    _doubt(axis, told)
-    _tell_gaps(block, found, by_cycle_, told)
+    _tell(block, found, axis, singly, drifts, told)
     return Identified(
         kind="stick-slip", reason=reason, numbers=tuple(told.numbers), untold=tuple(told.untold),
         residual=_residual(block, found, tuple(told.faults)), traces=_traces(record, block, found),
@@ -152,49 +159,30 @@ def _of_block(record: Record, axis: Axis | None, runs: list[Run], reason: str) -
 
 
 def _with_extras(block: Block, found: Fitted, told: _Told) -> tuple[Block, Fitted]:
-    """Return the fit with what else the record shows: a drift, a delay, another speed."""
+    """Return the fit with what else the record shows: a drift of the force, or a delay."""
     both = block.has_force and block.runs[0].x is not None
-    tried: list[tuple[str, tuple[str, ...]]] = []
-    if block.has_force:
-        tried.append(("drift", ("drift 1", "drift 2", "drift 3")))
-    if both:
-        tried.append(("delay", ("delay",)))
-    if block.runs[0].x is not None and not math.isnan(block.runs[0].speed):
-        tried.append(("speed", ("v",)))
-    for extra, names in tried:
-        wider = replace(block, extras=block.extras | {extra})
-        _, one = reweighted(
-            wider, fit(wider.columns, wider.jacobian, wider.carried(block, found.value))
-        )
-        at = [place[name] for _, _, place in wider.places() for name in names]
-        zero = (
-            [math.log(run.speed) for run in block.runs] if extra == "speed" else np.zeros(len(at))
-        )
-        moved, some = one.value[at] - zero, one.covariance[np.ix_(at, at)]
-        size = float(moved @ np.linalg.pinv(some, hermitian=True) @ moved)
-        if chi2.sf(size, len(at)) > _SURELY:
+    for names in (_DRIFTS,) * block.has_force + (("delay",),) * both:
+        wider = replace(block, extras=(*block.extras, *names))
+        wider, one = wider.fitted(wider.carried(block, found.value))
+        at = [place[name] for _, place in wider.places() for name in names]
+        moved, some = one.value[at], one.covariance[np.ix_(at, at)]
+        if chi2.sf(moved @ np.linalg.pinv(some, hermitian=True) @ moved, len(at)) > _SURELY:
             continue
-        block, found = reweighted(wider, one)
-        if extra == "speed":
-            share = math.exp(float(np.median(moved)))
-            told.faults.append(
-                f"the table moves at {share:.4g} times the speed of the command: "
-                "a unit, or a drive that slips"
-            )
-        elif extra == "delay":
-            told.notes.append(
-                f"the force is {1e3 * float(np.median(moved)):.3g} ms behind the position"
-            )
-        else:
-            told.notes.append("the zero of the force drifts: it tells differences of forces only")
+        block, found = wider, one
+        told.notes.append(
+            f"the force is {1e3 * float(np.median(moved)):.3g} ms behind the position"
+            if names == ("delay",)
+            else "the zero of the force drifts: it tells differences of forces only"
+        )
     return block, found
 
 
-def _phases(block: Block, n: Floats) -> Iterator[tuple[Run, Floats, float]]:
-    """Yield runs, the times since their first break-away, and their period [s]."""
-    for run, continued, place in block.places():
-        period = block.solution(run, continued, place, n).figures()["period"]
-        yield run, run.t - n[place["t_break"]], period
+def _phases(block: Block, n: Floats) -> list[tuple[Run, Floats, float]]:
+    """Return runs, the times since their first break-away, and their period [s]."""
+    return [
+        (run, run.t - n[place["t_break"]], motion.figures()["period"])
+        for (run, place), motion in zip(block.places(), block.solutions(n), strict=True)
+    ]
 
 
 def _faults(phases: Iterable[tuple[Run, Floats, float]], found: Fitted) -> list[str]:
@@ -207,22 +195,17 @@ def _faults(phases: Iterable[tuple[Run, Floats, float]], found: Fitted) -> list[
     for run, after, period in phases:
         for name in shown(run):
             r, memory = next(parts)
-            if math.isnan(period):
-                ends = True
+            ends |= math.isnan(period)
+            if math.isnan(period) or np.mean(r * r) < _NOTHING:
                 continue
             step = float(np.median(np.diff(run.t)))
-            repeats, _ = by_cycle(run.t, r, after, period)
-            count = math.floor(float(after[-1]) / period)
-            if repeats and count >= 3:
-                shapes.add(name)
+            if by_cycle(run.t, r, after, period)[0] and after[-1] >= 3.0 * period:
+                shapes.add(_COLUMNS[name])
             wanders |= memory.samples * step > period
-    names = " and ".join({"x": "position", "F": "force"}[name] for name in sorted(shapes))
-    faults = []
-    if ends:
-        faults.append("the nearest motion of the block does not stick again")
+    faults = ["the nearest motion of the block does not stick again"] * ends
     if shapes:
         faults.append(
-            f"the residual of the {names} repeats from cycle to cycle: "
+            f"the residual of the {' and '.join(sorted(shapes))} repeats from cycle to cycle: "
             "friction or spring are not of the block's kind"
         )
     if wanders:
@@ -230,176 +213,119 @@ def _faults(phases: Iterable[tuple[Run, Floats, float]], found: Fitted) -> list[
     return faults
 
 
-Of = Callable[[Floats], float]
+def _misfits(block: Block, found: Fitted, own: dict[str, float]) -> list[str]:
+    """Return where the fit leaves far more than the `own` noise, or the table creeps in stick."""
+    faults = [
+        f"the fit leaves {block.noise[name] / own[name]:.2g} times the noise of the "
+        f"{_COLUMNS[name]}: the cycles are not those of one block"
+        for name in own
+        if block.noise[name] > _FAR * own[name]
+    ]
+    J, creep = np.concatenate(found.jacobian(found.value)), []
+    phases = zip(_phases(block, found.value), block.solutions(found.value), strict=True)
+    for (run, after, period), motion in phases:
+        within, t_slip = after % period, motion.t_slip
+        rise = (within - t_slip) / (period - t_slip) - 0.5
+        way = np.where(within < t_slip, 0.5 - within / t_slip, rise) * (after >= 0.0)
+        by = {"x": 1.0, "F": -math.exp(found.value[2])}
+        creep += [way * by[name] / block.noise[name] for name in shown(run)]
+    if not faults and np.isfinite(np.concatenate(creep)).all():
+        # Only what the numbers of the block cannot follow tells a creep.
+        J, seen = J / np.linalg.norm(J, axis=0), np.concatenate(creep)
+        seen -= J @ np.linalg.lstsq(J, seen, rcond=None)[0]
+        longest = max(memory.samples for memory in found.memory)
+        far = abs(seen @ np.concatenate(found.residual)) / np.linalg.norm(seen)
+        if far > _CREEPS * math.sqrt(1.0 + 2.0 * longest):
+            faults.append("the table creeps between its slips: friction is not of Coulomb's kind")
+    return faults
 
 
-def _tell(block: Block, found: Fitted, axis: Axis | None, singly: bool, told: _Told) -> None:
-    """Add the numbers of spring, mass and friction, with their intervals."""
-    known_speed = "v" in next(block.places())[2] or not math.isnan(block.runs[0].speed)
-
-    def w2(n: Floats) -> float:
-        return math.exp(2.0 * n[0])
-
-    def c_m(n: Floats) -> float:
-        return 2.0 * float(n[1]) * math.exp(n[0])
-
-    def k(n: Floats) -> float:
-        return math.exp(n[2])
-
-    gaps = [_gap_of(block, *one) for one in block.places()]
-    _add(told, found, "k/m", [w2])
-    _add(told, found, "c/m", [c_m])
-    if known_speed:
-        _add(told, found, "gap", gaps, singly)
-    else:
-        told.untold.append(
-            ("gap", "the speed of the spring's end is not in the record: state one feed")
-        )
+def _values(block: Block, axis: Axis | None, n: Floats) -> dict[str, Floats]:
+    """Return the numbers that the columns of a block show, of each run."""
+    motions, places = block.solutions(n), [place for _, place in block.places()]
+    w2, run = motions[0].w ** 2, block.runs[0]
+    c_m = 2.0 * float(n[1]) * motions[0].w
+    g, load, m = (axis.g, axis.load, axis.m) if axis else (9.81, 0.0, 1.0)
+    along = run.sign * axis.along if axis else 0.0
+    gap = np.array([s.D + 2.0 * s.zeta * s.v / s.w for s in motions])
+    values = {"k/m": np.array([w2]), "c/m": np.array([c_m]), "gap": gap}
     if block.has_force:
-        if known_speed:
-            _add(told, found, "axis.stiffness", [k])
-            _add(told, found, "axis.mass", [lambda n: k(n) / w2(n)])
-            _add(told, found, "axis.c", [lambda n: c_m(n) * k(n) / w2(n)])
-        else:
-            told.untold.append(
-                ("axis.stiffness", "it is the slope of the force over the feed, which is not known")
-            )
-        _tell_forces(block, found, axis, gaps, singly, told)
-    else:
-        _tell_coefficients(block, found, axis, gaps, told)
+        k = math.exp(n[2])
+        F_s = np.array([n[place["F_b"]] for place in places]) + along
+        values |= {"axis.stiffness": np.array([k]), "axis.mass": np.array([k / w2])}
+        values |= {"axis.c": np.array([c_m * k / w2]), "F_s - F_k": k * gap}
+        values |= {"friction.F_s": F_s, "friction.F_k": F_s - k * gap}
+    elif run.start > -math.inf:
+        way = run.speed * (n[places[0]["t_break"]] - run.start)
+        mu_s, per = w2 * way + along / m, g + load / m
+        values["friction.mu_s"] = np.array([mu_s / per])
+        values["friction.mu_k"] = np.array([(mu_s - w2 * gap[0]) / per])
+    return values
 
 
-def _doubt(axis: Axis | None, told: _Told) -> None:
-    """Say where numbers are beyond all that is usual: a column has another unit."""
-    value = {number.name: number.value for number in told.numbers}
-    m, F_s = value.get("axis.mass"), value.get("friction.F_s")
-    mu_s = F_s / (m * (axis.g if axis else 9.81)) if m and F_s else value.get("friction.mu_s")
-    if mu_s is not None and not _USUAL[0] < mu_s < _USUAL[1]:
-        told.faults.append(
-            f"a static friction coefficient of {mu_s:.3g}: a column has another unit"
-        )
-    if axis and m and not 1.0 / _OFF < m / axis.m < _OFF:
-        told.faults.append(
-            f"the mass comes out {m / axis.m:.3g} times that of the axis file: "
-            "a column has another unit"
-        )
-
-
-def _tell_forces(
-    block: Block, found: Fitted, axis: Axis | None, gaps: list[Of], singly: bool, told: _Told
+def _tell(
+    block: Block, found: Fitted, axis: Axis | None, singly: bool, drifts: bool, told: _Told
 ) -> None:
-    def fall_by(gap: Of) -> Of:
-        return lambda n: math.exp(n[2]) * gap(n)
+    """Add the numbers that a record tells, each the mean over runs, wider where they differ."""
+    values = _values(block, axis, found.value)
+    if math.isnan(block.runs[0].speed) and block.runs[0].x is None:
+        why = "the speed of the spring's end is not in the record: state one feed"
+        told.untold += [(name, why) for name in _BY_SPEED if values.pop(name, None) is not None]
+    if drifts:
+        why = "the zero of the force drifts"
+        told.untold += [(name, why) for name in _LEVELS if values.pop(name, None) is not None]
+    for name, own in values.items():
 
-    def level(at: int, by: float) -> Of:
-        return lambda n: float(n[at]) + by
+        def of(n: Floats, name: str = name) -> Floats:
+            return _values(block, axis, n)[name]
 
-    def less(one: Of, other: Of) -> Of:
-        return lambda n: one(n) - other(n)
-
-    falls = [fall_by(gap) for gap in gaps]
-    _add(told, found, "F_s - F_k", falls, singly)
-    if "drift" in block.extras:
-        told.untold += [
-            (name, "the zero of the force drifts") for name in ("friction.F_s", "friction.F_k")
-        ]
-        return
-    along = axis.along if axis else 0.0
-    breaks = [level(place["F_b"], run.sign * along) for run, _, place in block.places()]
-    why = "the zero of the force is taken as true"
-    _add(told, found, "friction.F_s", breaks, singly, why)
-    slides = [less(F, fall) for F, fall in zip(breaks, falls, strict=True)]
-    _add(told, found, "friction.F_k", slides, singly, why)
-    if axis is None or axis.along == 0.0:
+        slopes = found.gradient(of)
+        covariance = slopes.T @ found.covariance @ slopes
+        spread = np.sqrt(np.maximum(np.diag(covariance), 1e-300))
+        weight = np.ones(own.size) if singly else spread**-2.0
+        weight /= weight.sum()
+        value, half, why = float(weight @ own), 0.0, _WHYS.get(name, "")
+        deviation = math.sqrt(max(float(weight @ covariance @ weight), 0.0))
+        _, low, high = found.ends(value, deviation)
+        if own.size > 1 and singly:
+            half = float(student.ppf(0.975, own.size - 1) * np.std(own, ddof=1) / own.size**0.5)
+        elif chi2.sf(np.sum(((own - value) / spread) ** 2), own.size - 1) < _DIFFERS:
+            half, why = float(np.max(np.abs(own - value))), "it differs from feed to feed"
+        low, high = value - math.hypot(value - low, half), value + math.hypot(high - value, half)
+        told.numbers.append(number_of(name, value, low, high, why))
+        if name == "gap" and own.size > 1 and not singly:
+            _tell_gaps(own, spread, block.solutions(found.value), told)
+    if not block.has_force and "friction.mu_s" not in values:
+        why = "the position tells (F_s - F_k)/k; a load-up from a relaxed spring tells them apart"
+        told.untold += [(name, why) for name in _COEFFICIENTS]
+    if block.has_force and not drifts and (axis is None or axis.along == 0.0):
         told.notes.append("a constant force along the way, if there is one, is in the friction")
 
 
-def _tell_coefficients(
-    block: Block, found: Fitted, axis: Axis | None, gaps: list[Of], told: _Told
-) -> None:
-    run, _, place = next(block.places())
-    if run.start == -math.inf:
-        why = "the position tells (F_s - F_k)/k; a load-up from a relaxed spring tells them apart"
-        told.untold += [(name, why) for name in ("friction.mu_s", "friction.mu_k")]
-        return
-    g, load, m = (axis.g, axis.load, axis.m) if axis else (9.81, 0.0, 1.0)
-    along = run.sign * axis.along / m if axis else 0.0
-
-    def mu_s(n: Floats) -> float:
-        way = run.speed * (float(n[place["t_break"]]) - run.start)
-        return (math.exp(2.0 * n[0]) * way + along) / (g + load / m)
-
-    def mu_k(n: Floats) -> float:
-        return mu_s(n) - math.exp(2.0 * n[0]) * gaps[0](n) / (g + load / m)
-
-    why = "the spring is taken as relaxed before the command begins"
-    _add(told, found, "friction.mu_s", [mu_s], why=why)
-    _add(told, found, "friction.mu_k", [mu_k], why=why)
-
-
-def _gap_of(block: Block, run: Run, continued: bool, place: dict[str, int]) -> Of:
-    def gap(n: Floats) -> float:
-        s = block.solution(run, continued, place, n)
-        return s.D + 2.0 * s.zeta * s.v / s.w
-
-    return gap
-
-
-def _add(
-    told: _Told, found: Fitted, name: str, of: list[Of], singly: bool = False, why: str = ""
-) -> None:
-    """Add a number: the mean over runs, wider where they differ."""
-    if len(of) == 1:
-        told.numbers.append(number_of(name, *found.interval(of[0]), why))
-        return
-    values = np.array([one(found.value) for one in of])
-    spread = np.array([max(found.deviation(one), 1e-300) for one in of])
-    weight = np.ones(len(of)) if singly else spread**-2.0
-    weight /= weight.sum()
-    value, low, high = found.interval(
-        lambda n: float(sum(w * one(n) for w, one in zip(weight, of, strict=True)))
-    )
-    half = 0.0
-    if singly:
-        half = float(student.ppf(0.975, len(of) - 1) * np.std(values, ddof=1) / math.sqrt(len(of)))
-    elif chi2.sf(float(np.sum(((values - value) / spread) ** 2)), len(of) - 1) < 1e-3:
-        half, why = float(np.max(np.abs(values - value))), "it differs from feed to feed"
-    low, high = value - math.hypot(value - low, half), value + math.hypot(high - value, half)
-    told.numbers.append(number_of(name, value, low, high, why))
-
-
-def _tell_gaps(block: Block, found: Fitted, singly: bool, told: _Told) -> None:
+def _tell_gaps(gap: Floats, spread: Floats, motions: list[Solution], told: _Told) -> None:
     """Say how the gap goes with the feed, by Akaike's criterion for few numbers."""
-    if singly or len(block.runs) < 2:
+    if len(gap) < 4:
+        why = "fewer than four feeds do not tell how the gap goes with them"
+        told.untold.append(("how friction ages", why))
         return
-    if len(block.runs) < 4:
-        told.untold.append(
-            ("how friction ages", "fewer than four feeds do not tell how the gap goes with them")
-        )
-        return
-    of = [_gap_of(block, *one) for one in block.places()]
-    gap = np.array([one(found.value) for one in of])
-    weight = 1.0 / np.array([found.deviation(one) for one in of])
-    motions = [block.solution(*one, found.value) for one in block.places()]
-    rest = np.array([s.relief / s.v for s in motions])
-    peak = np.array([s.v + s.w * s.swing() for s in motions])
-    one = np.ones_like(gap)
     laws = {
-        "the gap is the same at all feeds": [one],
-        "the gap grows with the logarithm of the time at rest": [one, np.log(rest)],
-        "the gap falls with the speed of the slip": [one, peak],
+        "the gap is the same at all feeds": 0.0 * gap,
+        "the gap grows with the logarithm of the time at rest": np.log(
+            [s.relief / s.v for s in motions]
+        ),
+        "the gap falls with the speed of the slip": -np.array(
+            [s.v + s.w * s.swing() for s in motions]
+        ),
     }
-    n, scores = gap.size, {}
-    for law, columns in laws.items():
-        X = np.stack(columns, axis=1) * weight[:, None]
-        b, *_ = np.linalg.lstsq(X, gap * weight, rcond=None)
-        p = len(columns)
-        signed = p == 1 or (b[1] > 0.0) == ("grows" in law)
-        square = float(np.sum((gap * weight - X @ b) ** 2))
-        scores[law] = square + 2.0 * p + 2.0 * p * (p + 1) / (n - p - 1) if signed else math.inf
+    n, scores = len(gap), {}
+    for law, by in laws.items():
+        X, p = np.stack([gap**0, by], axis=1) / spread[:, None], 1 + bool(by.any())
+        b, *_ = np.linalg.lstsq(X, gap / spread, rcond=None)
+        square = float(np.sum((gap / spread - X @ b) ** 2))
+        scores[law] = square + 2.0 * p * n / (n - p - 1) if b[1] >= 0.0 else math.inf
     best, following = sorted(scores, key=lambda law: scores[law])[:2]
     told.notes.append(best)
-    if scores[following] - scores[best] < 4.0:
+    if scores[following] - scores[best] < _CLEARLY:
         told.untold.append(
             ("how friction ages", f"{best}, or {following}: these feeds do not tell")
         )
@@ -409,51 +335,40 @@ def _residual(block: Block, found: Fitted, faults: tuple[str, ...]) -> Residual:
     """Return what the fit leaves, of the force where there is one."""
     name = "F" if block.has_force else "x"
     names = [one for run in block.runs for one in shown(run)]
-    of = [(r, m) for r, m, n in zip(found.residual, found.memory, names, strict=True) if n == name]
-    _, memory = max(of, key=lambda one: one[0].size)
-    step = float(np.median(np.diff(block.runs[0].t)))
-    lag = max(memory.samples // 2, 1)
-    rms = block.noise[name] * math.sqrt(float(np.mean(np.concatenate([one for one, _ in of]) ** 2)))
+    of = [m for m, n in zip(found.memory, names, strict=True) if n == name]
+    memory = max(of, key=lambda one: one.correlation.size)
+    step, lag = float(np.median(np.diff(block.runs[0].t))), max(memory.samples // 2, 1)
     return Residual(
-        rms=rms, unit="N" if name == "F" else "m", memory=memory.samples * step,
+        rms=block.noise[name], unit=_UNITS[name], memory=memory.samples * step,
         at=(lag * step, float(memory.correlation[lag - 1])) if memory.samples else (0.0, 0.0),
         faults=faults,
     )  # fmt: skip
 
 
-_DRAWN: Final = 3000
-
-
 def _traces(record: Record, block: Block, found: Fitted) -> tuple[Trace, ...]:
-    traces = []
-    every = slice(None, None, -(-record.t.size // _DRAWN))
-    t = record.t[every]
-    for name, column, unit in (("F", "force", "N"), ("x", "position", "m")):
-        measured, drawn = getattr(record, column), np.full(t.size, math.nan)
-        if measured is None:
-            continue
-        for run, continued, place in block.places():
-            here = (t >= run.t[0]) & (t <= run.t[-1])
-            some = [None if s is None else np.zeros(int(here.sum())) for s in (run.x, run.F)]
-            at = replace(run, t=t[here], x=some[0], F=some[1])
-            if here.any():
-                seems = block.of_run(at, continued, place, found.value)
-                drawn[here] = run.sign * seems[shown(run).index(name)]
-        traces.append(Trace(name=column, unit=unit, t=t, measured=measured[every], fitted=drawn))
+    traces, t = [], record.t
+    drawn = {name: np.full(t.size, math.nan) for name in shown(block.runs[0])}
+    for run, model in zip(block.runs, block.columns_of(found.value), strict=True):
+        inside = (t >= run.t[0]) & (t <= run.t[-1])
+        for name, seems in zip(shown(run), model, strict=True):
+            drawn[name][inside] = run.sign * np.interp(t[inside], run.t, seems)
+    for name, fitted_ in drawn.items():
+        measured_, every = getattr(record, _COLUMNS[name]), slice(None, None, -(-t.size // _DRAWN))
+        traces.append(
+            Trace(
+                name=_COLUMNS[name], unit=_UNITS[name], t=t[every], measured=measured_[every],
+                fitted=fitted_[every],
+            )
+        )  # fmt: skip
     return tuple(traces)
 
 
 def _segments(block: Block, found: Fitted) -> tuple[tuple[float, float, str], ...]:
     segments = []
-    for (run, _, place), (_, _, period) in zip(
-        block.places(), _phases(block, found.value), strict=True
-    ):
-        if math.isnan(period):
-            continue
-        t_slip = block.solution(run, False, place, found.value).t_slip
-        begin = float(found.value[place["t_break"]])
-        for i in range(len(run.highs)):
-            at = begin + i * period
+    phases = zip(_phases(block, found.value), block.solutions(found.value), strict=True)
+    for (run, after, period), motion in phases:
+        begin, t_slip = float(run.t[0] - after[0]), motion.t_slip
+        for at in begin + period * np.arange(len(run.highs) if math.isfinite(period) else 0):
             segments += [(at, at + t_slip, "slips"), (at + t_slip, at + period, "rests")]
     return tuple(segments)
 
@@ -492,7 +407,7 @@ def _of_servo(record: Record, axis: Axis, run: Run, reason: str) -> Identified:
     def log_gap(n: Floats) -> float:
         return best + float(slope @ (n - found.value))
 
-    of: dict[str, Of] = {
+    of: dict[str, Callable[[Floats], float]] = {
         "k/m": lambda n: math.exp(n[1] - n[0]),
         "c/m": lambda n: 2.0 * float(n[2]) * math.exp(0.5 * (n[1] - n[0])),
         "gap": lambda n: math.exp(log_gap(n) - n[1]),

@@ -324,12 +324,12 @@ def _simulated(loop: Loop, numbers: tuple[float, ...]) -> Simulated | None:
 
 def fitted_loop(loop: Loop) -> tuple[Loop, Fitted]:
     """Return the fit of a loop, with its own noise."""
-    rough = [fit(loop.columns, loop.jacobian, n, _ROUGHLY, False) for n in loop.starts()]
+    rough = [fit(loop.columns, loop.jacobian, n, _ROUGHLY) for n in loop.starts()]
     best = min(rough, key=lambda one: sum(float(r @ r) for r in one.residual))
     sizes = [math.sqrt(float(np.mean(r * r))) for r in best.residual]
     noise = {name: loop.noise[name] * size for name, size in zip(loop.noise, sizes, strict=True)}
     loop = replace(loop, noise=noise)
-    return loop, fit(loop.columns, loop.jacobian, best.value, _FINELY, False)
+    return loop, fit(loop.columns, loop.jacobian, best.value, _FINELY)
 
 
 def settled(run: Run) -> Run:

@@ -9,6 +9,7 @@ from functools import cached_property
 from typing import Final
 
 import numpy as np
+from scipy.optimize import least_squares
 from scipy.signal import fftconvolve
 from scipy.stats import t as student
 
@@ -19,14 +20,11 @@ _STEP: Final = 1e-3
 """Of a deviation: a step of a difference quotient, where errors of rounding and of curvature are
 both small."""
 _CURVED: Final = 0.03
-"""Relative deviation from which the ends of an interval are those of the profile likelihood."""
-_NEAR: Final = 0.02
-"""How near to its end a profile is followed, in lengths of the interval."""
-_TIGHT: Final = 1e-3
-"""Of a deviation: how firmly a number is fixed along its profile."""
-
-_DAMPING, _STUCK, _GAIN = 1e-2, 1e8, 1e-3
+"""Relative deviation from which an interval is one of the logarithm: numbers scale a motion."""
+_GAIN: Final = 1e-9
+"""Of the squares and the numbers: what a step gains at the end of a search."""
 _LITTLE: Final = 4.0
+"""Of the squares, for each number: what a search may have left."""
 _SINGULAR: Final = 1e-13
 """Information, of the largest, that is rounding."""
 
@@ -44,8 +42,6 @@ class Fitted:
     columns: Callable[[Floats], Columns]
     jacobian: Callable[[Floats], Columns]
     value: Floats
-    profiled: bool = True
-    """Whether ends of wide intervals are those of the profile likelihood: it takes many fits."""
 
     @cached_property
     def residual(self) -> Columns:
@@ -114,17 +110,12 @@ class Fitted:
         ]
         return float(student.ppf(0.5 + 0.5 * SURE, max(sum(seen) - self.value.size, 3.0)))
 
-    def gradient(self, of: Callable[[Floats], float]) -> Floats:
-        """Return the derivatives of a number that follows from the numbers, shape (p,)."""
+    def gradient(self, of: Callable[[Floats], float | Floats]) -> Floats:
+        """Return the derivatives of what follows from the numbers, shape (p,) or (p, values)."""
         scale, inverse, _ = self._information
         steps = _STEP * np.sqrt(np.maximum(np.diag(inverse), 1e-30)) / scale
-        moves = np.diag(steps)
-        return np.array(
-            [
-                (of(self.value + move) - of(self.value - move)) / (2.0 * step)
-                for move, step in zip(moves, steps, strict=True)
-            ]
-        )
+        sides = [[of(self.value + side * move) for move in np.diag(steps)] for side in (1.0, -1.0)]
+        return np.asarray((np.array(sides[0]) - np.array(sides[1])).T / (2.0 * steps)).T
 
     def deviation(self, of: Callable[[Floats], float]) -> float:
         """Return the standard deviation of a number that follows from the numbers."""
@@ -132,83 +123,16 @@ class Fitted:
         return math.sqrt(max(float(slope @ self.covariance @ slope), 0.0))
 
     def interval(self, of: Callable[[Floats], float]) -> tuple[float, float, float]:
-        """Return a number that follows from the numbers, and its interval of 95 %.
+        """Return a number that follows from the numbers, and its interval of 95 %."""
+        return self.ends(float(of(self.value)), self.deviation(of))
 
-        Where its deviation is large the ends are those of the profile likelihood.
-        """
-        value, half = float(of(self.value)), self.reach * self.deviation(of)
-        if not _CURVED * self.reach * abs(value) < half < math.inf:
+    def ends(self, value: float, deviation: float) -> tuple[float, float, float]:
+        """Return a value, and its interval of 95 % of a standard deviation."""
+        half = self.reach * deviation
+        share = half / value if value > 0.0 else math.inf
+        if not _CURVED * self.reach < share < 1.0:
             return value, value - half, value + half
-        if not self.profiled:
-            # What scales a motion is as far off by its logarithm.
-            share = half / value if value > 0.0 else 0.0
-            if not 0.0 < share < 1.0:
-                return value, value - half, value + half
-            return value, value * math.exp(-share), value * math.exp(share)
-        return value, self._end(of, value, -half), self._end(of, value, half)
-
-    def _end(self, of: Callable[[Floats], float], value: float, half: float) -> float:
-        """Return where the profile of the squares has risen as at the end of an interval."""
-        scale, inverse, _ = self._information
-        slope = self.gradient(of)
-        white = inverse / np.outer(scale, scale)
-        plain = math.sqrt(float(slope @ white @ slope))
-        least, at = sum(float(r @ r) for r in self.residual), half
-        numbers = self.value
-        for _ in range(4):
-            start = numbers + white @ slope / plain**2 * (value + at - of(numbers))
-            tight, aim = _TIGHT * plain, value + at
-
-            def columns(n: Floats, aim: float = aim, tight: float = tight) -> Columns:
-                return [*self.columns(n), np.array([(of(n) - aim) / tight])]
-
-            def jacobian(n: Floats, tight: float = tight) -> Columns:
-                return [*self.jacobian(n), slope[None, :] / tight]
-
-            fixed = _minimum(columns, jacobian, start, most=6)
-            rise = sum(float(r @ r) for r in self.columns(fixed)) - least
-            # In lengths of the interval, on the scale of white noise of size 1.
-            share = math.sqrt(max(rise, 0.0)) / (abs(half) / plain)
-            if not 0.2 < share < 5.0:
-                break
-            numbers, at = fixed, at / share
-            if abs(share - 1.0) < _NEAR:
-                break
-        return value + at
-
-
-def _minimum(
-    columns: Callable[[Floats], Columns],
-    jacobian: Callable[[Floats], Columns],
-    start: Floats,
-    most: int = 80,
-) -> Floats:
-    """Return where the squares are least, by Levenberg's and Marquardt's damped steps.
-
-    It ends where a step would gain no more than `_GAIN` of the noise of one sample.
-    """
-    numbers, r, damping = start, np.concatenate(columns(start)), _DAMPING
-    for _ in range(most):
-        J = np.concatenate(jacobian(numbers))
-        scale = np.sqrt(np.sum(J * J, axis=0))
-        scale[~(scale > 0.0)] = 1.0
-        square, slope = float(r @ r), (J / scale).T @ r
-        normal = (J / scale).T @ (J / scale)
-        while True:
-            step = -np.linalg.solve(normal + damping * np.eye(start.size), slope)
-            trial = numbers + step / scale
-            new = np.concatenate(columns(trial))
-            if float(new @ new) < square:
-                break
-            damping *= 8.0
-            if damping > _STUCK:
-                return numbers
-        gain = square - float(new @ new)
-        numbers, r = trial, new
-        if gain < _GAIN * square / r.size and damping < _DAMPING:
-            break
-        damping = max(0.1 * damping, 1e-12)
-    return numbers
+        return value, value * math.exp(-share), value * math.exp(share)
 
 
 def fit(
@@ -216,7 +140,10 @@ def fit(
     jacobian: Callable[[Floats], Columns],
     start: Floats,
     most: int = 80,
-    profiled: bool = True,
 ) -> Fitted:
-    """Return the least squares that are reached from a start, shape (p,)."""
-    return Fitted(columns, jacobian, _minimum(columns, jacobian, start, most), profiled)
+    """Return the least squares that are reached from a start, shape (p,), in so many trials."""
+    best = least_squares(
+        lambda n: np.concatenate(columns(n)), start, lambda n: np.concatenate(jacobian(n)),
+        method="lm", x_scale="jac", ftol=_GAIN, xtol=_GAIN, gtol=_GAIN, max_nfev=most,
+    )  # fmt: skip
+    return Fitted(columns, jacobian, np.asarray(best.x))
