@@ -17,8 +17,9 @@ from .model import Floats, Record
 
 _MOST: Final = 60_000
 """Samples of a run; of more, every second, third, ... is taken."""
-_BEND, _JITTERS, _UNITS = 1e-5, 6.0, 2.0
-"""What the command may be off a straight line: of its way, deviations of its noise, digits."""
+_BENDS, _JITTERS, _UNITS = (1e-5, 2e-3), 6.0, 2.0
+"""What the command may be off a straight line: of its way, of which noise is no more than the
+second; deviations of its noise; its digits."""
 _NOTHING, _OFTEN = 1e-9, 0.05
 """Of the way of a column, what is no bend; and the part of the samples with a bend if counted."""
 _SLOW: Final = 0.02
@@ -91,14 +92,18 @@ def runs_of(record: Record, axis: Axis | None) -> list[Run]:
     if x is None and F is None:
         raise ValueError("the record has neither a position nor a force")
     feeds = axis.demand.feeds if axis else ()
-    lines = [(0, t.size - 1, feeds[0] if len(feeds) == 1 else math.nan, -math.inf)]
+    lines = [(0, t.size - 1, feeds[0] if len(feeds) == 1 else math.nan, 0.0)]
     if command is not None:
         lines = _straight(t, command)
     shows = axis is None or axis.drive is None or axis.drive.on_table
-    fastest, runs = max(abs(speed) for _, _, speed, _ in lines), []
-    for begin, end, speed, start in lines:
+    fastest, runs = max((abs(line[2]) for line in lines), default=0.0), list[Run]()
+    for begin, end, speed, level in lines:
         if abs(speed) < _SLOW * fastest or end - begin < _LEAST_SAMPLES:
             continue
+        start, rest = -math.inf, lines[0][1]
+        if command is not None and not runs and 0 < begin < rest + _LEAST_SAMPLES:
+            # From a rest on, the spring is drawn by what the command has gone since.
+            start = float(t[begin] - (level - np.mean(command[: rest + 1])) / speed)
         some = slice(begin, end + 1, -(-(end - begin) // _MOST))
         way = x[end] - x[begin] if math.isnan(speed) and x is not None else speed
         sign = -1.0 if way < 0.0 else 1.0
@@ -113,13 +118,11 @@ def runs_of(record: Record, axis: Axis | None) -> list[Run]:
 
 
 def _straight(t: Floats, s: Floats) -> list[tuple[int, int, float, float]]:
-    """Return the straight pieces of a command: first and last sample, speed, begin from a rest."""
-    scatter = scatter_of(t, s)
-    noise = max(_UNITS * digit_of(s), _JITTERS * (scatter if math.isfinite(scatter) else 0.0))
-    # Digits and jitter are a small part of the way, a smooth command's curve is not their kind.
-    allowed = max(_BEND * float(np.ptp(s)), min(noise, 2e-3 * float(np.ptp(s))), 1e-300)
-    pieces: list[tuple[int, int, float, float]] = []
-    rest, begins = [(0, t.size - 1)], -math.inf
+    """Return the straight pieces of a command: first and last sample, speed, and first place."""
+    noise = max(_UNITS * digit_of(s), _JITTERS * float(np.nan_to_num(scatter_of(t, s))))
+    least, most = (share * float(np.ptp(s)) for share in _BENDS)
+    allowed = max(least, min(noise, most), 1e-300)
+    pieces, rest = list[tuple[int, int, float, float]](), [(0, t.size - 1)]
     while rest:
         a, b = rest.pop()
         off = np.abs(s[a : b + 1] - np.interp(t[a : b + 1], [t[a], t[b]], [s[a], s[b]]))
@@ -127,14 +130,9 @@ def _straight(t: Floats, s: Floats) -> list[tuple[int, int, float, float]]:
         if off.max() > allowed and b - a >= _LEAST_SAMPLES:
             rest += [(at, b), (a, at)]
             continue
-        if b - a < 2:
-            continue
-        speed, level = np.polyfit(t[a : b + 1] - t[a], s[a : b + 1], 1).tolist()
-        if pieces and abs(pieces[0][2]) < _SLOW * abs(speed) and begins == -math.inf:
-            begins = float(t[a]) - (level - float(np.mean(s[: pieces[0][1] + 1]))) / speed
-            pieces.append((a, b, speed, begins))
-        else:
-            pieces.append((a, b, speed, -math.inf))
+        if b - a > 1:
+            speed, level = np.polyfit(t[a : b + 1] - t[a], s[a : b + 1], 1).tolist()
+            pieces.append((a, b, speed, level))
     return pieces
 
 
