@@ -11,7 +11,7 @@ import pytest
 
 from stickslip_design.identify.jumps import is_stick_slip, stick_slip
 from stickslip_design.identify.model import Identified, Record
-from stickslip_ref import Parameters, simulate
+from stickslip_ref import Change, Parameters, simulate
 from tests.design.axes import SERVO
 from tests.design.simulated import Simulation
 
@@ -147,6 +147,18 @@ def test_a_creep_between_slips_is_said() -> None:
     creep = np.interp(record.t, ends, np.resize([-0.5, 0.5], len(ends)))
     creeping = replace(record, position=record.position + 5e-8 * creep)
     assert any("creeps" in fault for fault in stick_slip(creeping).residual.faults)
+
+
+def test_several_feeds_tell_how_the_gap_goes() -> None:
+    """Over four feeds of constant coefficients the gap is the same; all feeds share one spring."""
+    t = np.arange(0.0, 9.0, 5e-4)
+    changes = [Change(2.25 * n, {"v": feed}) for n, feed in enumerate((3e-4, 5e-4, 8e-4, 1.2e-3))]
+    run = simulate(P, float(t[-1]), times=t, changes=changes)
+    record = Record(t=t, position=run.x, force=run.F, command=run.x_pull)
+    found = stick_slip(noisy(record, 8, 1e-5, 3e-3))
+    assert found.explained
+    assert "the gap is the same at all feeds" in found.notes
+    assert found.number("gap").value == pytest.approx(GAP / k, rel=5e-3)
 
 
 def test_the_loop_of_a_servo_is_in_the_fit() -> None:

@@ -139,7 +139,7 @@ def number_of(name: str, value: float, low: float, high: float, why: str = "") -
 
 
 def _of_block(record: Record, axis: Axis | None, runs: list[Run], reason: str) -> Identified:
-    told = _Told(notes=list(record.notes))
+    told = _Told()
     block = Block(tuple(run.from_rest() for run in runs), noise_of(record, runs))
     own = block.noise
     block, found = _with_extras(*fitted(block), told)
@@ -231,7 +231,7 @@ def _misfits(block: Block, found: Fitted, own: dict[str, float]) -> list[str]:
         creep += [way * by[name] / block.noise[name] for name in shown(run)]
     if not faults and np.isfinite(np.concatenate(creep)).all():
         # Only what the numbers of the block cannot follow tells a creep.
-        J, seen = J / np.linalg.norm(J, axis=0), np.concatenate(creep)
+        J, seen = J / (np.linalg.norm(J, axis=0) + 1e-300), np.concatenate(creep)
         seen -= J @ np.linalg.lstsq(J, seen, rcond=None)[0]
         longest = max(memory.samples for memory in found.memory)
         far = abs(seen @ np.concatenate(found.residual)) / np.linalg.norm(seen)
