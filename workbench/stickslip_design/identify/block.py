@@ -70,10 +70,10 @@ class Block:
 
     def solutions(self, n: Floats) -> list[Solution]:
         """Return the motions of the runs."""
-        w, zeta, motions = math.exp(n[0]), min(max(float(n[1]), _LEAST_ZETA), _MOST_ZETA), []
+        w, zeta, motions = _exp(n[0]), min(max(float(n[1]), _LEAST_ZETA), _MOST_ZETA), []
         for run, place in self.places():
-            v = math.exp(n[place["v"]]) if "v" in place else run.speed
-            D = math.exp(min(max(n[place["D"]], -80.0), 40.0))
+            v = _exp(n[place["v"]]) if "v" in place else run.speed
+            D = _exp(n[place["D"]])
             motions.append(Solution(w, zeta, 1.0 if math.isnan(v) else v, D))
         return motions
 
@@ -89,7 +89,7 @@ class Block:
                 if "delay" in place:
                     after = after - n[place["delay"]]
                     way = motion.position(after)
-                F = n[place["F_b"]] + math.exp(n[place["k"]]) * (motion.v * after - way)
+                F = n[place["F_b"]] + _exp(n[place["k"]]) * (motion.v * after - way)
                 if "drift 1" in place:
                     s = 2.0 * (run.t - run.t[0]) / (run.t[-1] - run.t[0]) - 1.0
                     F += np.polynomial.legendre.legval(s, [0.0, *(n[place[d]] for d in DRIFTS)])
@@ -115,7 +115,7 @@ class Block:
             # A number of its own moves the columns of its run alone: of all runs at once.
             step, move = steps.get(name, 1e-5), np.zeros_like(n)
             if name in ("t_break", "delay"):
-                step /= math.exp(n[0])
+                step /= _exp(n[0])
             move[[place[name] for place in places if name in place]] = step
             ends = [self.columns(n + side * move) for side in (1.0, -1.0)]
             for j, place, high, low in zip(J, places, *ends, strict=True):
@@ -160,6 +160,11 @@ class Block:
             noise[name] = size * max(float(np.sqrt(np.mean(np.concatenate(parts) ** 2))), 1e-3)
         block = replace(self, noise=noise)
         return block, fit(block.columns, block.jacobian, found.value)
+
+
+def _exp(n: float) -> float:
+    """Return a number by its logarithm, above 0 however far a step of the search goes."""
+    return math.exp(min(max(n, -80.0), 80.0))
 
 
 def shown(run: Run) -> list[str]:
