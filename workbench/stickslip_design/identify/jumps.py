@@ -29,6 +29,8 @@ _FAR: Final = 10.0
 """Of the scatter of a column: a residual that is not its noise; coloured noise has six."""
 _CREEPS: Final = 4.5
 """Deviations of a creep in stick that is none by chance in 100,000 records."""
+_EDGE: Final = 1e-3
+"""Of the damping ratio: how near to a slip without an end a fit tells nothing by its slopes."""
 _NOTHING: Final = 0.25
 """Mean square of a residual, over its noise, that a solver's digits leave."""
 _DIFFERS: Final = 1e-3
@@ -221,6 +223,10 @@ def _misfits(block: Block, found: Fitted, own: dict[str, float]) -> list[str]:
         for name in own
         if block.noise[name] > _FAR * own[name]
     ]
+    if any(
+        math.isinf(replace(s, zeta=s.zeta + _EDGE).t_slip) for s in block.solutions(found.value)
+    ):
+        faults.append("the fit ends where a slip would slide on: damping and gap are not told")
     J, creep = np.concatenate(found.jacobian(found.value)), []
     phases = zip(_phases(block, found.value), block.solutions(found.value), strict=True)
     for (run, after, period), motion in phases:
