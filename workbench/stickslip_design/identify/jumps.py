@@ -17,12 +17,10 @@ from ..axis import Axis
 from .block import DRIFTS as _DRIFTS
 from .block import Block, fitted, measured, noise_of, one_by_one, shown
 from .cycles import Run, runs_of
-from .looped import Loop, fitted_loop, settled
+from .looped import begun, fitted_loop
 from .model import Floats, Identified, Number, Record, Residual, Trace
 from .nonlinear import Fitted
 
-_MODEL: Final = 5e-4
-"""Of a number of a servo axis: what its simulation leaves open."""
 _SPARSE: Final = 1.0
 """Radians of the slip between two samples, above which it is not seen."""
 _FAR: Final = 10.0
@@ -393,59 +391,46 @@ def _following(told: _Told, cycles: int) -> str:
 
 def _of_servo(record: Record, axis: Axis, run: Run, reason: str) -> Identified:
     """Return what a run tells of a servo axis."""
-    told = _Told(notes=list(record.notes))
-    run = settled(run)
+    told = _Told()
     if math.isnan(run.speed):
         speed = float(np.polyfit(run.t, run.x, 1)[0]) if run.x is not None else math.nan
         run = replace(run, speed=speed)
-    loop = Loop(axis, run, noise_of(record, [run]))
-    loop, found = fitted_loop(loop)
-    names = shown(run)
-    place = {name: i for i, name in enumerate(loop.names)}
-    motion = loop.simulated(found.value)
-    if motion is None:
-        raise ValueError(
-            "the axis as its file states it does not jump at this feed: nothing to fit"
-        )
-    told.faults += _faults([(run, run.t - found.value[place["t_break"]], motion.period)], found)
-    slope, best = loop.slope_of_gap(found.value), motion.gap
-
-    def log_gap(n: Floats) -> float:
-        return best + float(slope @ (n - found.value))
-
+    if math.isnan(run.speed):
+        raise ValueError("the feed is not in the record: state one feed")
+    run = begun(run)
+    loop, found, others = fitted_loop(axis, run, noise_of(record, [run]))
+    run, place = loop.run, {name: i for i, name in enumerate(loop.names)}
+    told.faults += _faults([(run, run.t - run.t[0], run.period)], found)
     of: dict[str, Callable[[Floats], float]] = {
         "k/m": lambda n: math.exp(n[1] - n[0]),
-        "c/m": lambda n: 2.0 * float(n[2]) * math.exp(0.5 * (n[1] - n[0])),
-        "gap": lambda n: math.exp(log_gap(n) - n[1]),
+        "c/m": lambda n: float(n[2]) * loop.unit / math.exp(n[0]),
+        "gap": lambda n: math.exp(n[3] - n[1]),
         "axis.stiffness": lambda n: math.exp(n[1]),
         "axis.mass": lambda n: math.exp(n[0]),
-        "axis.c": lambda n: 2.0 * float(n[2]) * math.exp(0.5 * (n[1] + n[0])),
-        "F_s - F_k": lambda n: math.exp(log_gap(n)),
+        "axis.c": lambda n: float(n[2]) * loop.unit,
+        "F_s - F_k": lambda n: math.exp(n[3]),
     }
-    if "F_0" not in place:
+    if "F_k" not in place:
         why = "without the force of the motor its level is not in the record"
         told.untold += [(name, why) for name in ("friction.F_s", "friction.F_k")]
     else:
-        of["friction.F_k"] = lambda n: axis.F_k + float(n[place["F_0"]])
-        of["friction.F_s"] = lambda n: axis.F_k + float(n[place["F_0"]]) + math.exp(log_gap(n))
+        of["friction.F_k"] = lambda n: float(n[place["F_k"]])
+        of["friction.F_s"] = lambda n: float(n[place["F_k"]]) + math.exp(n[3])
     for name, one in of.items():
         value, low, high = found.interval(one)
-        if not math.isfinite(high - low):
-            told.untold.append((name, "near these numbers the axis does not jump in rows"))
-            continue
-        # The simulation, and where between two samples of the drive a break-away falls.
-        least = _MODEL * (math.exp(best) if name.startswith("friction") else abs(value))
-        low, high = value - math.hypot(value - low, least), value + math.hypot(high - value, least)
-        told.numbers.append(number_of(name, value, low, high))
-    w = math.exp(0.5 * float(found.value[1] - found.value[0]))
-    if w * float(np.median(np.diff(run.t))) > _SPARSE:
+        ends = [other.interval(one) for other in others]
+        low, high = min([low, *(a for _, a, _ in ends)]), max([high, *(b for *_, b in ends)])
+        why = "other numbers move the axis as well like this" if others else ""
+        told.numbers.append(number_of(name, value, low, high, why))
+    step = float(np.median(np.diff(run.t)))
+    if math.exp(0.5 * float(found.value[1] - found.value[0])) * step > _SPARSE:
         told.faults.append("the samples are too far apart to show a slip")
     if not found.left_is_little:
         told.faults.append(
             "no motion of the loop is like the record: the search did not come to an end"
         )
-    step = float(np.median(np.diff(run.t)))
-    seen = zip(names, measured(run), found.residual, strict=True)
+    names = shown(run)
+    seen = zip(names, measured(run), found.residual, strict=False)
     traces = tuple(
         Trace(
             name={"x": "position", "F": "force"}[name], unit={"x": "m", "F": "N"}[name], t=run.t,
@@ -455,7 +440,7 @@ def _of_servo(record: Record, axis: Axis, run: Run, reason: str) -> Identified:
     )  # fmt: skip
     residual = Residual(
         rms=loop.noise[names[-1]], unit="N" if names[-1] == "F" else "m",
-        memory=found.memory[-1].samples * step, faults=tuple(told.faults),
+        memory=found.memory[len(names) - 1].samples * step, faults=tuple(told.faults),
     )  # fmt: skip
     return Identified(
         kind="stick-slip", reason=reason, numbers=tuple(told.numbers), untold=tuple(told.untold),
