@@ -186,7 +186,7 @@ def test_what_is_not_identified_goes_in_as_its_range_or_not_at_all(
     value = value_of(text, name)
     assert (value.value, value.spread) == pytest.approx(stated)
     assert ("not identified: a range" in text) == (stated[1] > 0.0)
-    assert ("its interval is too wide for the key" in text) == (stated[1] == 0.0)
+    assert ("it is not in the range of the key" in text) == (stated[1] == 0.0)
     rigid = axis_file_of(written(replace(found, numbers=(wide,)), None, "run.csv"))
     assert (name in rigid.values) == (stated[1] > 0.0)
 

@@ -69,7 +69,7 @@ def written(found: Identified, file: AxisFile | None, source: str) -> str:
             note = "95 %" if number.known else "not identified: a range"
             new[path] = f'{key.name} = "{quantity}"  # {source}, {note}'
         elif key:
-            said.append(f"{path} is not stated: its interval is too wide for the key")
+            said.append(f"{path} is not stated: it is not in the range of the key")
     static, kinetic = _frictions(file)
     if file and static in file.values and kinetic in new and static not in new:
         said.append(f"static friction is not in this record: {static} of the file is held")

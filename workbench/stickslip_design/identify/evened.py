@@ -7,6 +7,7 @@ from typing import Final, NamedTuple
 
 import numpy as np
 from scipy.signal import butter, sosfiltfilt
+from scipy.special import beta
 
 from stickslip_score import scatter_of
 
@@ -118,6 +119,8 @@ def scatter(run: Even, corner: float, rounding: float) -> Scatter:
     sigma = scatter_of(run.t, white)
     sigma = max(sigma if math.isfinite(sigma) else 0.0, rounding / math.sqrt(3.0))
     density, w = 2.0 * run.step * sigma**2, 2.0 * math.pi
-    powers = [density * w ** (2 * n) * corner ** (2 * n + 1) / (2 * n + 1) for n in range(3)]
+    # What the low pass leaves: the integral of u^(2n)/(1 + u^8)^2.
+    parts = [0.125 * beta((2 * n + 1) / 8.0, 2.0 - (2 * n + 1) / 8.0) for n in range(3)]
+    powers = [density * w ** (2 * n) * corner ** (2 * n + 1) * parts[n] for n in range(3)]
     first = 1 if run.velocity is None else 0
     return Scatter(math.sqrt(powers[first]), math.sqrt(powers[first + 1]))

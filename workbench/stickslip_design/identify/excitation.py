@@ -15,7 +15,7 @@ from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.ndimage import binary_dilation
+from scipy.ndimage import binary_opening, maximum_filter1d
 
 from ..axis import Axis
 from .evened import Even, Filtered, evened, filtered, low_pass, scatter
@@ -39,10 +39,11 @@ _STIFF: Final = 0.25
 mass."""
 _SPRING: Final = 0.2
 """The ± of the stiffness that an axis states, relative."""
-_SLOW: Final = 0.02
-"""Of the highest speed: below it friction is not taken for Coulomb's."""
-_RINGING: Final = 1.1
-"""Length of the low pass's answer, over its corner's period."""
+_SLOW, _REST = 0.02, 0.002
+"""Of the highest speed: below it friction is not taken for Coulomb's, and a table rests."""
+_RINGING, _AFTER_REST = 1.1, 2.5
+"""Length of the low pass's answer, over its corner's period: beside a turn, and where the table may
+rest, as behind a spring or for longer."""
 _STEADILY, _NEARLY, _FEW_SPEEDS, _INERTIA = 0.6, 0.85, 3, 0.15
 """A record is of steady runs if they are this part of the moving time, at so many speeds, and the
 force of the inertia has at most this part of the power; or nearly all of the time."""
@@ -180,6 +181,8 @@ def driven(record: Record, axis: Axis | None) -> Identified:
     """
     if record.force is None:
         raise ValueError("a driven axis needs a column of its force, torque or current")
+    if not np.ptp(record.force):
+        raise ValueError("the force does not change in this record")
     runs = evened(record)
     steady, share = plateaus(runs, record.rounding.get("position", 0.0))
     rows = _rows(runs, record, axis)
@@ -190,7 +193,7 @@ def driven(record: Record, axis: Axis | None) -> Identified:
     if is_steady:
         rows = _at(runs, record, axis, max(_FIRST, record.t.size // _KEPT), steady) or rows
     law, curve, inside = _curve(rows)
-    others = _others(rows)
+    others = _others(rows, axis)
     best = law.estimate if is_steady else rows.best
     seen = rows.both.memory
     lag = min(max(1, round(_LAG / rows.step)), seen.correlation.size)
@@ -287,12 +290,16 @@ def _at(
     ways = [filtered(run, corner) for run in runs]
     highest = max(float(np.max(np.abs(way.v))) for way in ways)
     yielding, reach = _yielding(axis), max(2, int(_RINGING / (corner * step)))
+    far = int(_AFTER_REST / (corner * step))
     late, parts = _lateness(ways), list[list[Floats]]()
     for way in ways:
         size = np.abs(way.v)
         # Where the table turns it may rest, in which friction is anything, and the low pass brings
         # it in from there.
-        use = ~binary_dilation(size < _SLOW * highest, iterations=reach)
+        slow = size < _SLOW * highest
+        still = size < _REST * highest
+        rests = slow if yielding else binary_opening(still, np.ones(reach))
+        use = ~(_wider(slow, reach) | _wider(rests, far))
         if steady:
             use = np.any([(way.t >= p.begin) & (way.t <= p.end) for p in steady], axis=0)
         # At the ends of a run the low pass has other surroundings for each column.
@@ -320,6 +327,10 @@ def _at(
     )  # fmt: skip
 
 
+def _wider(some: NDArray[np.bool_], reach: int) -> NDArray[np.bool_]:
+    return np.asarray(maximum_filter1d(some, 2 * reach + 1))
+
+
 def _moved(v: Floats, a: Floats, step: float, corner: float) -> list[Floats]:
     """Return what of a motion the force depends on, in the order of `_MOVED`."""
     ahead, sign = (low_pass(each, step, corner) for each in (np.maximum(v, 0.0), np.sign(v)))
@@ -333,6 +344,8 @@ def _lateness(ways: Sequence[Filtered]) -> float | None:
         return None
     v = np.concatenate([way.v for way in ways])
     wanted, rate = (np.concatenate([way.wanted[n] for way in ways if way.wanted]) for n in (0, 1))
+    if not np.ptp(wanted) or not np.ptp(v):
+        return None
     late = float(rate @ (wanted - v) / max(float(rate @ rate), 1e-300))
     follows = float(np.corrcoef(v, wanted - late * rate)[0, 1]) > _FOLLOWS
     return late if follows else None
@@ -385,32 +398,38 @@ def _numbers(
         )
 
 
-def _others(rows: _Rows) -> dict[str, Estimate]:
+def _others(rows: _Rows, axis: Axis | None) -> dict[str, Estimate]:
     """Return what else the record shows, in words, and the numbers of a model that has it.
 
     Of what is sought only that which is no chance, which acceleration, speed and sign do not show
     as well, and which moves a number by more than its interval.
     """
     size, middle, sign = np.abs(rows.v), rows.x - np.mean(rows.x), rows.moved["F_k"]
-    tried = {
-        "the force changes along the way": middle,
-        "friction changes along the way": sign * middle,
-        "the zero of the force drifts": rows.t - np.mean(rows.t),
+    tried: dict[str, tuple[Floats, ...]] = {
+        "the force changes along the way": (middle,),
+        "friction changes along the way": (sign * middle,),
+        "the zero of the force drifts": (rows.t - np.mean(rows.t),),
     }
     if not rows.steady:
         tried |= {
-            "friction is bent over the speed": sign * size**2,
-            "friction is bent at low speed": sign * np.exp(-10.0 * size / size.max()),
+            "friction is bent over the speed": (sign * size**2,),
+            "friction is bent at low speed": (sign * np.exp(-10.0 * size / size.max()),),
         }
+    if axis and axis.drive:
+        turn = 2.0 * math.pi * middle / axis.drive.pitch
+        tried["the force changes with the turn of the motor"] = np.sin(turn), np.cos(turn)
     best, shown = rows.best, dict[str, Estimate]()
-    for words, column in tried.items():
-        plain = {"c": rows.v, "F_k": sign, "offset": np.ones_like(sign)}
-        own = rows.numbers(plain, force=column).residual
-        if own @ own < _OWN * (column @ column):
+    plain = {"c": rows.v, "F_k": sign, "offset": np.ones_like(sign)}
+    for words, columns in tried.items():
+        own = rows.numbers(plain, force=columns[0])
+        # The noise of the acceleration, where that shows it as well.
+        hidden = 0.0 if rows.steady else 2.0 * size.size * (own.number("m") * rows.noise[0]) ** 2
+        if own.residual @ own.residual < _OWN * (columns[0] @ columns[0]) + hidden:
             continue
-        found = rows.fit(column, apart=rows.differ)
+        found = rows.fit(*columns, apart=rows.differ)
         moved = [abs(found.number(n) - best.number(n)) > best.reach(n) for n in best.names]
-        if abs(found.number("0")) > _FAULT * found.deviation("0") and any(moved):
+        chance = [abs(found.number(str(n))) / found.deviation(str(n)) for n in range(len(columns))]
+        if max(chance) > _FAULT and any(moved):
             shown[words] = found
     return shown
 

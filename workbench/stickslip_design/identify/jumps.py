@@ -39,6 +39,8 @@ _DRAWN: Final = 3000
 """Samples of a trace."""
 _MUCH: Final = 0.3
 """Of the time in which the command moves: in cycles."""
+_ONE_WAY: Final = 0.8
+"""Of its range: how far the table gets."""
 _EVENLY, _VERY_EVENLY = 0.4, 0.1
 """Deviation of the times from cycle to cycle, over their mean: cycles; and beyond doubt."""
 _TOGETHER, _COUNTS = 0.3, 4.0
@@ -77,15 +79,21 @@ def _is_even(run: Run, record: Record) -> bool:
     uneven = float(np.std(spans) / np.mean(spans)) if len(spans) > 2 else math.inf
     if _EVENLY < uneven < math.inf:
         return False
-    if run.x is None or math.isnan(run.speed):
+    if run.x is None:
         return True
-    behind = run.speed * run.t - run.x
+    speed = run.speed
+    if math.isnan(speed):
+        # Without a command the table goes one way.
+        if abs(run.x[-1] - run.x[0]) < _ONE_WAY * np.ptp(run.x):
+            return False
+        speed = float(np.polyfit(run.t, run.x, 1)[0])
+    behind = speed * run.t - run.x
     doubtful = run.F is not None and uneven > _VERY_EVENLY
     if doubtful and np.corrcoef(behind, run.F)[0, 1] < _TOGETHER:
         return False
     pairs = min(len(highs), len(lows))
     fall = np.diff([np.interp(at[:pairs], run.t, run.x) for at in (highs, lows)], axis=0)
-    fall = fall - run.speed * (lows - highs[:pairs])
+    fall = fall - speed * (lows - highs[:pairs])
     return float(np.median(fall)) > _COUNTS * 2.0 * record.rounding.get("position", 0.0)
 
 

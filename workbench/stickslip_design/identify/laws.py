@@ -85,7 +85,7 @@ def _fitted(
     found = least_squares(weighed, force / deviation, np.arange(force.size, dtype=float))
     chi, left = float(found.residual @ found.residual), force.size - len(parts)
     count = len(parts) + (not math.isnan(v_s))
-    few = 2.0 * count * (count + 1) / (left - 1) if left > 1 else math.inf
+    few = 2.0 * count * (count + 1) / max(left - 1, 1)
     if 0.0 < chi < left:
         # Less scatter than the deviations is luck.
         found = found._replace(covariance=found.covariance * left / chi, freedom=math.inf)

@@ -14,8 +14,8 @@ _STEADY: Final = 0.05
 """Of its speed: how far a steady run may be off its median."""
 _ENDS: Final = 0.1
 """Of a steady run that is left out at each end, where it may still settle."""
-_LEAST: Final = 100
-"""Samples of a steady run at least."""
+_LEAST, _SHORTEST = 100, 0.1
+"""Samples, and time [s], of a steady run at least."""
 _STRIDE: Final = 10
 """Of the samples behind it, so many are one."""
 _CORNER: Final = 0.02
@@ -51,7 +51,7 @@ def plateaus(runs: Sequence[Even], rounding: float) -> tuple[list[Plateau], floa
         moves = np.abs(v) > max(_MOVES * highest, noise)
         moving += int(np.count_nonzero(moves))
         allowed = _STEADY * np.abs(v) + noise
-        window = _LEAST // _STRIDE
+        window = max(_LEAST, int(_SHORTEST / run.step)) // _STRIDE
         span = maximum_filter1d(v, window, origin=-(window // 2)) - minimum_filter1d(
             v, window, origin=-(window // 2)
         )

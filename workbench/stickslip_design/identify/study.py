@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from contextlib import suppress
 from dataclasses import replace
 from typing import Final
 
@@ -15,6 +16,8 @@ from .model import Identified, Number, Record
 
 _MOST_MU, _LEAST_MU = 2.0, 1e-4
 """What no guideway has."""
+_HEAVIEST: Final = 1e5
+"""More than any table [kg]."""
 _OTHER: Final = 3.0
 """A mass, or a way, so many times what is stated, or its part, is in another unit."""
 _NEXT: Final = {
@@ -34,7 +37,16 @@ def identify(record: Record, axis: Axis | None = None) -> Identified:
     """
     if axis is not None and axis.turns:
         raise ValueError("a rotary table is not identified: records are of a slide, in m and N")
-    found = stick_slip(record, axis) if is_stick_slip(record, axis) else driven(record, axis)
+    found = _jumping(record, axis)
+    if found is None or not found.explained:
+        # What stick-slip does not explain may be another kind.
+        try:
+            other = driven(record, axis)
+        except ValueError:
+            if found is None:
+                raise
+        else:
+            found = other if found is None or other.explained else found
     faults = (*found.residual.faults, *_implausible(found, record, axis))
     return replace(
         found,
@@ -44,23 +56,35 @@ def identify(record: Record, axis: Axis | None = None) -> Identified:
     )
 
 
+def _jumping(record: Record, axis: Axis | None) -> Identified | None:
+    """Return what stick-slip tells; None where there is none, or none that can be followed."""
+    with suppress(ArithmeticError, ValueError, np.linalg.LinAlgError):
+        if is_stick_slip(record, axis):
+            return stick_slip(record, axis)
+    return None
+
+
 def _implausible(found: Identified, record: Record, axis: Axis | None) -> Iterator[str]:
     """Yield what no feed axis has: a unit is likely wrong."""
     known = {number.name: number for number in found.numbers if number.known}
-    if record.command is not None and record.position is not None:
-        ratio = float(np.ptp(record.position) / max(np.ptp(record.command), 1e-300))
+    if record.command is not None and record.position is not None and np.ptp(record.command):
+        ratio = float(np.ptp(record.position) / np.ptp(record.command))
         if not 1.0 / _OTHER < ratio < _OTHER:
-            yield f"the way is {ratio:.3g} times the commanded one: is a unit wrong?"
+            yield f"the way is {ratio:.3g} times the commanded one (is a unit wrong?)"
     mass = known["axis.mass"].value if "axis.mass" in known else axis.m if axis else None
     load, g = (axis.load, axis.g) if axis else (0.0, 9.81)
     if mass is not None and "friction.F_k" in known:
         mu = known["friction.F_k"].value / (mass * g + load)
         if not _LEAST_MU < mu < _MOST_MU:
-            yield f"a coefficient of friction of {mu:.2g}: is a unit wrong?"
+            yield f"a coefficient of friction of {mu:.2g} (is a unit wrong?)"
+    if any(known[name].high < 0.0 for name in ("axis.mass", "friction.F_k") if name in known):
+        yield "mass or friction is negative (is a sign wrong?)"
+    if mass is not None and mass > _HEAVIEST:
+        yield f"a mass of {1e-3 * mass:.3g} t (is a unit wrong?)"
     if axis and "axis.mass" in known:
         ratio = known["axis.mass"].value / axis.m
         if not 1.0 / _OTHER < ratio < _OTHER:
-            yield f"a mass {ratio:.2g} times that of the axis file: is a unit wrong?"
+            yield f"a mass {ratio:.2g} times that of the axis file (is a unit wrong?)"
 
 
 def _following(found: Identified) -> str:
