@@ -37,16 +37,7 @@ def identify(record: Record, axis: Axis | None = None) -> Identified:
     """
     if axis is not None and axis.turns:
         raise ValueError("a rotary table is not identified: records are of a slide, in m and N")
-    found = _jumping(record, axis)
-    if found is None or not found.explained:
-        # What stick-slip does not explain may be another kind.
-        try:
-            other = driven(record, axis)
-        except ValueError:
-            if found is None:
-                raise
-        else:
-            found = other if found is None or other.explained else found
+    found = _jumping(record, axis) or driven(record, axis)
     faults = (*found.residual.faults, *_implausible(found, record, axis))
     return replace(
         found,
