@@ -6,6 +6,7 @@ from typing import Mapping, Optional
 from fmi.packer import build_fmu
 
 from .laws.named import COULOMB_NAME, friction_law
+from .laws.native_only import NativeOnly, refusal
 from .spec import SPEC
 
 MAIN = "from stickslip_fmu.spec import SPEC"
@@ -40,12 +41,15 @@ def build(
         If it cannot be written.
     ValueError
         If SOURCE_DATE_EPOCH is set to something else than whole seconds, the law is not found, its
-        rows do not fit the table, its model is called StickSlip, or a module of it cannot travel.
+        rows do not fit the table, its model is called StickSlip, it has a native FMU alone, or a
+        module of it cannot travel.
     """
     main = MAIN
     if law != COULOMB_NAME:
         named = friction_law(law)
         main = _MAIN_OF_LAW.format(module=named.module, name=named.name)
+        if isinstance(named.law, NativeOnly):
+            raise ValueError(refusal(named.law))
         if named.law.interface.model == SPEC.name:
             raise ValueError(f"the friction law {law!r} needs a model name other than {SPEC.name}")
     return build_fmu(main, destination, "stickslip_fmu_", parts)

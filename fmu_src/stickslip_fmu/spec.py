@@ -6,6 +6,7 @@ from .block import Block
 from .interface import CONTRACT, table_of
 from .laws.coulomb.law import COULOMB
 from .laws.law import Law
+from .laws.native_only import NativeOnly
 from .release import DATE, VERSION
 from .settings import Settings
 
@@ -32,7 +33,7 @@ def spec_of(friction_law: Law) -> Spec:
         values=LawSettings,
         model=LawBlock,
         experiment=Experiment(0.0, 10.0, 0.01),
-        annotations=(CONTRACT,),
+        annotations=() if isinstance(friction_law, NativeOnly) else (CONTRACT,),
     )
 
 

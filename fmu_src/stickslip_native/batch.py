@@ -129,7 +129,7 @@ def _address(numbers: "array[float]") -> int:
 @lru_cache(maxsize=None)
 def _function(law: str) -> Any:
     """Return the function `first_slips` of the core under a friction law, compiled."""
-    spec, own = native_law(law)
+    spec, own, _ = native_law(law)
     sources = {name: text.encode() for name, text in table_files(spec).items()}
     files = [file for pattern in _FILES for file in HOME.glob(pattern)]
     files = [file for file in files if file.name not in _BESIDE]

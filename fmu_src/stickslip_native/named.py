@@ -7,6 +7,7 @@ from typing import NamedTuple, Tuple
 
 from fmi.model import Spec
 from stickslip_fmu.laws.named import COULOMB_NAME, friction_law
+from stickslip_fmu.laws.native_only import NativeOnly
 from stickslip_fmu.spec import SPEC, spec_of
 
 HOME = Path(__file__).parent
@@ -23,10 +24,13 @@ class NativeLaw(NamedTuple):
         The specification of the block under the law.
     files
         C sources and headers of the law, those that it shares with other laws among them.
+    whole
+        Whether its motion is in C alone, integrated whole: core/law.h.
     """
 
     spec: Spec
     files: Tuple[Path, ...]
+    whole: bool
 
 
 @lru_cache(maxsize=None)
@@ -47,7 +51,7 @@ def native_law(name: str = COULOMB_NAME) -> NativeLaw:
     folders = {file.parent.name: file.parent for file in sorted(_LAWS.glob("*/friction_law.h"))}
     if name not in folders:
         raise ValueError(
-            f"the friction law {name!r} has no native side; {' and '.join(folders)} have one"
+            f"the friction law {name!r} has no native side; {', '.join(folders)} have one"
         )
     files = sorted(folders[name].glob("*.[ch]"))
     # The list grows while it is read: shared files may include others.
@@ -55,4 +59,5 @@ def native_law(name: str = COULOMB_NAME) -> NativeLaw:
         for stem in _INCLUDED.findall(file.read_text()):
             shared = sorted(_LAWS.glob(f"shared/{stem}.[ch]"))
             files += [file for file in shared if file not in files]
-    return NativeLaw(SPEC if name == COULOMB_NAME else spec_of(law), tuple(files))
+    spec = SPEC if name == COULOMB_NAME else spec_of(law)
+    return NativeLaw(spec, tuple(files), isinstance(law, NativeOnly))

@@ -65,9 +65,12 @@ def build(
         If the FMU cannot be written.
     ValueError
         If SOURCE_DATE_EPOCH is set to something else than whole seconds, or the friction law is
-        unknown or has no native side.
+        unknown, has no native side or none for model exchange.
     """
-    model = native_law(law).spec.name
+    spec, _, whole = native_law(law)
+    if whole and model_exchange:
+        raise ValueError(f"the friction law {law!r} is for co-simulation, not for model exchange")
+    model = spec.name
     compiler = compiler_for(this_machine)
     sources = sources_of(face, law, model_exchange)
     entries = {
@@ -89,7 +92,7 @@ def sources_of(
 
     Among them are those made from the table, and identity.h with the FMU's identity.
     """
-    spec, files = native_law(law)
+    spec, files, _ = native_law(law)
     sources = {name: text.encode() for name, text in table_files(spec).items()}
     common = [file for folder in _FOLDERS for file in HOME.glob(f"{folder}/*.[ch]")]
     for file in sorted((*common, *files)):
@@ -126,12 +129,12 @@ def description(
     model_exchange: bool = False,
 ) -> bytes:
     """Return modelDescription.xml of the FMU with these sources."""
-    spec = native_law(law).spec
+    spec, _, whole = native_law(law)
     compiled = _compiled(sources) if face == 2 else []
     maker, own = f"stickslip {spec.version}", _identity(face, sources, model_exchange)
     refusals = "A call was refused, and why."
-    equations = EQUATIONS if face == 3 or model_exchange else None
-    moving = () if model_exchange else _MOVING
+    equations = EQUATIONS if not whole and (face == 3 or model_exchange) else None
+    moving = () if whole or model_exchange else _MOVING
     root = model_description(spec, face, own, maker, refusals, compiled, equations, moving)
     return _text_of(root)
 

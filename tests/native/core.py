@@ -13,7 +13,7 @@ ACCEPTED = 0
 
 
 def sources(law: str) -> dict[str, bytes]:
-    spec, own = native_law(law)
+    spec, own, _ = native_law(law)
     made = {name: text.encode() for name, text in table_files(spec).items()}
     return made | {file.name: file.read_bytes() for file in (*HOME.glob("core/*.[ch]"), *own)}
 

@@ -50,7 +50,7 @@ def test_the_fmu_has_all_that_the_python_fmu_has_but_what_is_of_python(command: 
         ("--this-machine", "cc", "linux", "--this-machine is for --native"),
         (
             f"--native --this-machine --law {renamed.NAME}", "cc", "linux",
-            f"{renamed.NAME!r} has no native side; coulomb and stribeck have one",
+            f"{renamed.NAME!r} has no native side; coulomb, lugre, rate_state, stribeck have one",
         ),
         ("--native", "cc", "linux", "pip install ziglang=="),
         ("--native --this-machine", None, "linux", "there is no C compiler: a program cc"),

@@ -117,7 +117,9 @@ STRICT = ("-std=c99", "-pedantic-errors", "-Werror", "-Wall", "-Wextra", "-Wconv
 
 
 @needs_cc
-@pytest.mark.parametrize(("version", "law"), [(2, "coulomb"), (3, "stribeck")])
+@pytest.mark.parametrize(
+    ("version", "law"), [(2, "coulomb"), (3, "stribeck"), (2, "lugre"), (3, "rate_state")]
+)
 def test_the_sources_compile_without_a_warning(version: int, law: str) -> None:
     files = sorted((native(version, law).folder / "sources").glob("*.c"))
     assert len(files) > 10

@@ -11,6 +11,8 @@ COULOMB_NAME = "coulomb"
 BUILT_IN = {
     COULOMB_NAME: "stickslip_fmu.laws.coulomb.law:COULOMB",
     "stribeck": "stickslip_fmu.laws.stribeck.law:STRIBECK",
+    "lugre": "stickslip_fmu.laws.lugre.law:LUGRE",
+    "rate_state": "stickslip_fmu.laws.rate_state.law:RATE_STATE",
 }
 """Dotted names of the block's side of the friction laws of this package, by name."""
 

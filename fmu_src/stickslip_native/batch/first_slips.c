@@ -50,7 +50,7 @@ static enum refusal first_slip(const struct settings *settings, struct first_sli
     if (refused != ACCEPTED) return refused;
     meter_start(&meter, 0.0);
     refused = LAW.begin(&law, x_dot == 0.0 ? 0 : x_dot > 0.0 ? 1 : -1, settings->z_start, x_dot, 0.0,
-                        &arc);
+                        NULL, &arc);
     if (refused != ACCEPTED) return refused;
     *found = (struct first_slip){HUGE_VAL, NAN, NAN, NAN, NAN};
     if (arc.mode == 0) {

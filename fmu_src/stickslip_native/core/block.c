@@ -86,7 +86,7 @@ enum refusal block_start(struct block *block, const struct settings *settings, d
     const double x_dot = settings->x_dot_start;
     const int mode = x_dot == 0.0 ? 0 : x_dot > 0.0 ? 1 : -1;
     refused = LAW.begin(&block->friction, mode, settings->z_start, x_dot,
-                        block->friction.age_start, &block->arc);
+                        block->friction.age_start, NULL, &block->arc);
     if (refused != ACCEPTED) return refused;
     stand_at_start(block);
     return block_refresh(block);
@@ -121,6 +121,7 @@ enum refusal block_refresh(struct block *block)
     block->F_friction = motion.balance ? 0.0 - (block->F + settings->F_ext) : motion.friction;
     block->mode = arc->mode;
     if (block->friction.varies) block->F_s = LAW.hold(&block->friction, age_of(block));
+    block->own = motion.own;
     block->displacement = motion.displacement;
     block->stale = false;
     const bool finite = fabs(block->x_pull + block->F) <= DBL_MAX && block->F_s <= DBL_MAX;
@@ -148,7 +149,8 @@ static enum refusal change_settings(struct block *block, double time)
     const double z = block->z;
     const double dk = block->friction.settings.k - before.settings.k;
     block->W_k = sum_with(block->W_k, 0.5 * (dk * z) * z);
-    refused = LAW.begin(&block->friction, at_rest ? 0 : arc.mode, z, x_dot, age, &block->arc);
+    refused = LAW.begin(&block->friction, at_rest ? 0 : arc.mode, z, x_dot, age, &motion.own,
+                        &block->arc);
     if (refused != ACCEPTED) return refused;
     stand_at_start(block);
     if (block->started && arc.mode == 0 && block->mode != 0)
@@ -316,7 +318,7 @@ enum refusal block_land(struct block *block, double time, int mode, double z, do
     const struct friction before = block->friction;
     enum refusal refused = adopt_settings(block, &before);
     if (refused == ACCEPTED)
-        refused = LAW.begin(&block->friction, mode, z, x_dot, age, &block->arc);
+        refused = LAW.begin(&block->friction, mode, z, x_dot, age, NULL, &block->arc);
     if (refused != ACCEPTED) return refused;
     stand_at_start(block);
     if (mode == 0 && block->mode != 0) meter_break_away(&block->meter, time);
@@ -364,6 +366,14 @@ static enum refusal energy(struct sum before, double since, double *value)
     return isfinite(*value) ? ACCEPTED : NOT_FINITE;
 }
 
+/* The mode for the outputs: of a law without a stick one below a speed. */
+static int shown_mode(const struct block *block)
+{
+    if (!LAW.whole) return block->mode;
+    if (fabs(block->x_dot) < block->friction.v_stick || block->x_dot == 0.0) return 0;
+    return block->x_dot > 0.0 ? 1 : -1;
+}
+
 enum refusal block_read(struct block *block, enum reference reference, double *value)
 {
     if (ROWS[reference].settable) {
@@ -384,8 +394,8 @@ enum refusal block_read(struct block *block, enum reference reference, double *v
     case VR_F: *value = block->F; break;
     case VR_F_friction: *value = block->F_friction; break;
     case VR_F_s: *value = block->F_s; break;
-    case VR_sticking: *value = block->mode == 0 ? 1.0 : 0.0; break;
-    case VR_mode: *value = block->mode; break;
+    case VR_sticking: *value = shown_mode(block) == 0 ? 1.0 : 0.0; break;
+    case VR_mode: *value = shown_mode(block); break;
     case VR_delta_x: *value = meter->delta_x; break;
     case VR_spring_drop: *value = meter->spring_drop; break;
     case VR_t_stick: *value = meter->t_stick; break;
@@ -403,7 +413,7 @@ enum refusal block_read(struct block *block, enum reference reference, double *v
     case VR_Q_friction:
         return energy(block->Q_friction,
                       functions_of(arc)->heat(arc, tau_of(block), block->displacement), value);
-    default: *value = LAW.output(&block->friction, reference); break;
+    default: *value = LAW.output(&block->friction, &block->own, block->x_dot, reference); break;
     }
     return ACCEPTED;
 }
@@ -439,7 +449,7 @@ static bool reachable(const struct block_state *saved)
     return -1 <= start->mode && start->mode <= 1 && (start->mode == 0 || start->known) &&
            start->age >= 0.0 && saved->elapsed.high >= 0.0 && meter->n_slips >= 0 &&
            meter->t_slip >= 0.0 && meter->t_stick >= 0.0 && meter->T >= 0.0 &&
-           saved->Q_friction.high >= 0.0;
+           (LAW.whole || saved->Q_friction.high >= 0.0);
 }
 
 enum refusal block_restore(struct block *block, const struct block_state *saved)

@@ -37,6 +37,7 @@ struct block {
     bool stale;   /* the block moved since block_refresh computed what follows */
     double x, x_dot, x_pull, z, displacement;
     double F, F_friction, F_s;
+    struct own own;
     int mode; /* -1 slips backward, 0 sticks, +1 slips forward */
 };
 

@@ -141,7 +141,7 @@ static int breaks_away(const struct continuous *it, const struct block *block, b
     /* Without a force to break away at, the mass rests while that grows faster than the pull. */
     struct arc stick;
     const enum refusal refused =
-        LAW.begin(&block->friction, 0, extension(it), 0.0, 0.0, &stick);
+        LAW.begin(&block->friction, 0, extension(it), 0.0, 0.0, NULL, &stick);
     return refused == ACCEPTED && stick.duration > 0.0 ? 0 : sign;
 }
 
@@ -150,7 +150,7 @@ static enum refusal begin_arc(const struct continuous *it, struct block *block, 
                               double age)
 {
     const enum refusal refused = LAW.begin(&block->friction, mode, extension(it),
-                                           it->states[STATE_X_DOT], age, &block->arc);
+                                           it->states[STATE_X_DOT], age, NULL, &block->arc);
     block->mode = block->arc.mode;
     return refused;
 }

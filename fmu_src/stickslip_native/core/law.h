@@ -24,6 +24,12 @@
 
 #include <stdbool.h>
 
+/* The own state of a law without a stick: whole.c. */
+struct own {
+    double state;        /* what the law has beside the motion of the mass */
+    double stride, rows; /* what the method tries next: a length [s] and a count */
+};
+
 /* The motion at a time along an arc. */
 struct motion {
     double growth;       /* of the spring since the start of the arc [m] */
@@ -31,6 +37,7 @@ struct motion {
     double displacement; /* of the mass since the start of the arc [m] */
     double friction;     /* on the mass, with its viscous part [N]; not set in `balance` */
     bool balance;        /* friction balances spring and external force: at rest */
+    struct own own;
 };
 
 /* Where an arc starts. With the settings it determines the arc. */
@@ -41,6 +48,7 @@ struct start {
     double x_dot;  /* velocity of the mass [m/s] */
     double force;  /* what the law knows better than as a difference of large forces [N] */
     double age;    /* time at rest before [s], 0 in a slip */
+    struct own own;
 };
 
 /* A load-up to the break-away force: sticking.c. */
@@ -93,6 +101,7 @@ struct friction {
     struct dwell dwell; /* growth of the break-away force in stick; asked by sticking.c */
     double age_start;   /* age of a mass that is at rest when the run starts [s] */
     bool varies;        /* whether the break-away force changes along an arc */
+    double v_stick;     /* of a law without a stick: one is shown below this speed [m/s] */
     union friction_data of;
 };
 
@@ -115,9 +124,10 @@ struct law {
                  struct part *made);
     /* Friction of a slip at this speed, at least 0, without its viscous part [N]. */
     double (*force)(const struct friction *it, double speed);
-    /* The arc that begins where the mass stands; mode 0 for a mass at rest. */
+    /* The arc that begins where the mass stands; mode 0 for a mass at rest. There is no own state
+     * where a run starts. */
     enum refusal (*begin)(const struct friction *it, int mode, double z, double x_dot, double age,
-                          struct arc *begun);
+                          const struct own *own, struct arc *begun);
     /* The arc that follows the end of `ended`, at spring extension z [m]. */
     enum refusal (*after)(const struct friction *it, const struct arc *ended, double z,
                           struct arc *following);
@@ -137,7 +147,12 @@ struct law {
      * LAW_REFUSES then. */
     bool (*refuses)(const struct settings *settings, struct remark *made);
     /* An output of the law by its value reference. */
-    double (*output)(const struct friction *it, enum reference reference);
+    double (*output)(const struct friction *it, const struct own *own, double x_dot,
+                     enum reference reference);
+    /* Whether the law has no stick. Then its mass moves along the arcs of a step, never by the
+     * solver of a simulator or under inputs that move, and `part`, `force`, `slip` and
+     * `way_to_break_away` are not asked; mode 0 of an arc is a spring that grows. */
+    bool whole;
 };
 
 /* The law that is linked. */

@@ -1,4 +1,4 @@
-/* A step in which inputs move: docs/theory.md (33).
+/* A step in which inputs move: docs/theory.md (32).
  *
  * Pull, load and external force go at a constant rate from the values last set to those at the end of
  * the step. The motion is a chain of power series, of which none misses a zero: polynomial.h. */

@@ -11,6 +11,7 @@ enum refusal {
     TIME_OUT_OF_RANGE,    /* communication point not finite */
     TOO_MANY_TRANSITIONS, /* the step holds more than MOST_TRANSITIONS transitions */
     LAW_REFUSES,          /* the friction law refuses the settings: its member `refuses` */
+    NOT_FOLLOWED,         /* the motion is stiffer than doubles can follow */
     NO_SUCH_STATE         /* saved values that no block reaches */
 };
 

@@ -121,8 +121,9 @@ double sticking_hold(const struct friction *it, double age)
 }
 
 enum refusal sticking_begin(const struct friction *it, int mode, double z, double x_dot, double age,
-                            struct arc *begun)
+                            const struct own *own, struct arc *begun)
 {
+    (void)own;
     if (mode != 0) return slip_from(it, mode, z, x_dot, begun);
     mode = direction_from_rest(it->settings.k * z, it->settings.F_ext, LAW.hold(it, age));
     if (mode != 0) return slip_from(it, mode, z, 0.0, begun);

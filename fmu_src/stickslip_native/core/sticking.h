@@ -16,7 +16,7 @@ int direction_from_rest(double spring, double external, double break_away);
 
 /* Answers for `struct law`. */
 enum refusal sticking_begin(const struct friction *it, int mode, double z, double x_dot, double age,
-                            struct arc *begun);
+                            const struct own *own, struct arc *begun);
 enum refusal sticking_after(const struct friction *it, const struct arc *ended, double z,
                             struct arc *following);
 enum refusal sticking_arc(const struct friction *it, const struct start *start, struct arc *made);

@@ -122,6 +122,11 @@ static void visit(struct stream *stream, struct saved *it)
     real(stream, &start->x_dot);
     real(stream, &start->force);
     real(stream, &start->age);
+    if (LAW.whole) {
+        real(stream, &start->own.state);
+        real(stream, &start->own.stride);
+        real(stream, &start->own.rows);
+    }
     sum(stream, &it->block.elapsed);
     sum(stream, &it->block.x_start);
     sum(stream, &it->block.W_pull);

@@ -91,6 +91,11 @@ STICKSLIP_EXPORT fmi3Instance FMI3(fmi3InstantiateModelExchange)(
     struct instance *it =
         instance_make(&FMI3_VERSION, "fmi3InstantiateModelExchange", name, STICKSLIP_IDENTITY,
                       token, (void (*)(void))logger, environment);
+    if (it != NULL && LAW.whole) {
+        instance_fail(it, "fmi3InstantiateModelExchange: this friction law is for co-simulation");
+        instance_free(it);
+        return NULL;
+    }
     if (it != NULL) it->solves = true;
     return it;
 }

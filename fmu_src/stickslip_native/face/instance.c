@@ -288,7 +288,7 @@ static bool prepare_step(struct instance *it)
 bool instance_moves(uint32_t reference, int *position)
 {
     for (*position = 0; *position < MOVING; ++*position)
-        if (reference == MOVES[*position]) return true;
+        if (reference == MOVES[*position]) return !LAW.whole;
     return false;
 }
 
@@ -305,7 +305,9 @@ bool instance_set_rates(struct instance *it, const char *call, const uint32_t re
     for (size_t n = 0; n < count; n++) {
         if (!instance_moves(references[n], &position) || orders[n] != 1 || !isfinite(values[n])) {
             snprintf(reason, sizeof reason,
-                     "%s: v, load and F_ext have a derivative, of order 1 and finite", call);
+                     LAW.whole ? "%s: inputs are held over a step under this friction law"
+                               : "%s: v, load and F_ext have a derivative, of order 1 and finite",
+                     call);
             return instance_fail(it, reason);
         }
         it->now.rates[position] = values[n];

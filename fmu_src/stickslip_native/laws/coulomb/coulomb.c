@@ -89,9 +89,10 @@ static int coulomb_remarks(const struct settings *settings, struct remark made[M
 }
 
 /* The only output is mu_k_used. */
-static double coulomb_output(const struct friction *it, enum reference reference)
+static double coulomb_output(const struct friction *it, const struct own *own, double x_dot,
+                             enum reference reference)
 {
-    (void)reference;
+    (void)own, (void)x_dot, (void)reference;
     return it->of.coulomb.mu_k_used;
 }
 

@@ -132,8 +132,10 @@ static bool stribeck_same_slip(const struct friction *one, const struct friction
 }
 
 /* The only output is mu_k_used. */
-static double stribeck_output(const struct friction *it, enum reference reference)
+static double stribeck_output(const struct friction *it, const struct own *own, double x_dot,
+                              enum reference reference)
 {
+    (void)own, (void)x_dot;
     (void)reference;
     return it->of.stribeck.mu_k_used;
 }

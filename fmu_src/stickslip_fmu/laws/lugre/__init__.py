@@ -1,0 +1,1 @@
+"""LuGre: friction of bristles that bend before they slide."""

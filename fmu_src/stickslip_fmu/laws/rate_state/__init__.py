@@ -1,0 +1,1 @@
+"""Rate and state: friction of contacts that age and slide."""

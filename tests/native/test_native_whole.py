@@ -1,0 +1,251 @@
+"""Laws without a stick in the native block: LuGre, rate and state. docs/theory.md (33) to (36)."""
+
+import math
+import random
+from functools import cache
+from itertools import pairwise
+from pathlib import Path
+from tempfile import mkdtemp
+
+import pytest
+
+from stickslip_fmu.laws.named import friction_law
+from stickslip_fmu.laws.native_only import NativeOnly
+from stickslip_fmu.packer import build
+from stickslip_native import packer
+from tests.conftest import Sized
+from tests.native.core import ACCEPTED, Core, NativeBlock, compile_core
+from tests.needs import needs
+
+pytestmark = needs("cc")
+
+G = 9.81
+PUBLISHED = {"m": 1.0, "k": 2.0, "v": 0.1, "c": 0.4, "mu_s": 1.5 / G, "mu_k": 1.0 / G,
+             "sigma_0": 1e5, "sigma_1": math.sqrt(1e5), "v_s": 1e-3}  # fmt: skip
+"""Canudas de Wit et al., IEEE TAC 40 (1995) 419, section IV-D."""
+QDYN = {"m": 1.0, "load": 5e6 - G, "k": 2e9, "c": 2e10 / 6000, "a": 0.01, "b": 0.025, "D_c": 1e-5,
+        "V_0": 1e-6, "v": 1e-6, "theta_start": 10.0, "inertia": 2.0}  # fmt: skip
+"""QDYN's spring block; z_start is such that the first velocity is 2e-5 m/s."""
+
+
+@cache
+def core(law: str) -> Core:
+    return Core(compile_core(Path(mkdtemp()), law), law)
+
+
+def values(law: str, given: dict[str, float]) -> dict[str, float]:
+    own = dict(core(law).spec.table.start_values()) | given
+    if law == "rate_state" and "z_start" not in given:
+        normal = own["m"] * own["g"] + own["load"]
+        x_dot = 2e-5 if own["inertia"] == 2.0 else own["v"]
+        psi = own["mu_0"] + own["b"] * math.log(own["V_0"] * own["theta_start"] / own["D_c"])
+        mu = own["a"] * math.asinh(x_dot / (2.0 * own["V_0"]) * math.exp(psi / own["a"]))
+        own |= {"z_start": (normal * mu + own["c"] * x_dot) / own["k"]}
+        own["x_dot_start"] = x_dot if own["inertia"] == 1.0 else 0.0
+    return own
+
+
+class Run:
+    """A block that is moved and read by name."""
+
+    def __init__(self, law: str, given: dict[str, float]) -> None:
+        self.law, self.values, self.time = law, values(law, given), 0.0
+        self.block = NativeBlock(core(law), self.values)
+        table = core(law).spec.table
+        self.names = [row.name for row in table.rows if not row.settable]
+
+    def advance(self, step: float) -> dict[str, float]:
+        self.block.advance(self.time, step)
+        self.time += step
+        read = self.block.outputs()
+        assert self.block.refused == ACCEPTED, self.block.refused
+        return dict(zip(self.names, read, strict=True))
+
+    def lost(self, now: dict[str, float]) -> float:
+        """Return what is missing in the balance of energy, relative to the energies [1]."""
+        start = self.values
+        stored = 0.5 * start["k"] * (now["z"] ** 2 - start["z_start"] ** 2) + now.get(
+            "E_bristles", 0.0
+        )
+        if start.get("inertia") != 2.0:
+            stored += 0.5 * start["m"] * (now["x_dot"] ** 2 - start["x_dot_start"] ** 2)
+        scale = abs(now["Q_friction"]) + 0.5 * start["k"] * now["z"] ** 2
+        return abs(now["W_pull"] + now["W_k"] - now["Q_friction"] - stored) / scale
+
+
+def test_lugre_gives_the_published_forces() -> None:
+    run, spring, friction = Run("lugre", PUBLISHED), 0.0, 0.0
+    for _ in range(20_000):
+        now = run.advance(1e-3)
+        spring, friction = max(spring, now["F"]), max(friction, -now["F_friction"])
+    assert (spring, friction) == pytest.approx((1.508, 1.4765), abs=1e-3)
+    assert now["F_s"] == pytest.approx(1.5, rel=1e-15)
+    assert run.lost(now) < 1e-10
+
+
+def test_rate_and_state_gives_the_published_recurrence() -> None:
+    run = Run("rate_state", QDYN)
+    now = run.advance(9000.0)
+    assert now["n_slips"] == 16
+    assert now["T"] == pytest.approx(585.48393, rel=1e-7)
+    assert run.lost(now) < 1e-8
+
+
+CASES = [("lugre", PUBLISHED, 40.0), ("rate_state", QDYN, 3000.0), ("rate_state", {}, 20.0)]
+
+
+@pytest.mark.parametrize(("law", "given", "length"), CASES)
+def test_the_communication_step_does_not_matter(
+    law: str, given: dict[str, float], length: float
+) -> None:
+    chance = random.Random(1)
+    cuts = sorted(chance.uniform(0.0, length) for _ in range(300))
+    many, one = Run(law, given), Run(law, given)
+    for until in [*cuts, length]:
+        read = many.advance(until - many.time)
+    whole = one.advance(length)
+    assert read["n_slips"] > 3
+    for name in ("T", "t_stick", "t_slip", "delta_x", "spring_drop", "x_dot_peak", "n_slips"):
+        assert read[name] == whole[name], name
+    for name in ("z", "x", "W_pull", "Q_friction"):
+        assert read[name] == pytest.approx(whole[name], rel=1e-12), name
+
+
+@pytest.mark.parametrize(("law", "given", "length"), CASES)
+def test_a_restored_block_goes_on_with_the_same_bits(
+    law: str, given: dict[str, float], length: float
+) -> None:
+    kept, made = Run(law, given), Run(law, given)
+    for _ in range(50):
+        made.block.remake()
+        assert made.advance(length / 50) == kept.advance(length / 50)
+
+
+@pytest.mark.parametrize(("law", "given", "length"), CASES)
+def test_inputs_and_parameters_change_within_the_motion(
+    law: str, given: dict[str, float], length: float
+) -> None:
+    run = Run(law, given)
+    before = run.advance(0.37 * length)
+    run.block.set("k", 2.0 * run.values["k"])
+    now = run.advance(1e-14 * length)
+    assert now["F"] == pytest.approx(2.0 * before["F"], rel=1e-6)
+    assert now["W_k"] == pytest.approx(0.5 * run.values["k"] * before["z"] ** 2, rel=1e-6)
+    run.block.set("load", run.values["load"] + 0.1 * now["F_s"])
+    run.block.set("v", -run.values["v"])
+    run.values["k"] *= 2.0
+    run.values["z_start"] /= math.sqrt(2.0)
+    now = run.advance(2.0 * length)
+    assert now["F"] < 0.0
+    assert run.lost(now) < 1e-8
+
+
+def test_a_change_of_the_load_changes_the_state() -> None:
+    run = Run("rate_state", QDYN | {"alpha": 0.2})
+    before = run.advance(100.0)["theta"]
+    run.block.set("load", 0.9 * 5e6 - G)
+    after = run.advance(1e-9)["theta"]
+    assert after / before == pytest.approx((1.0 / 0.9) ** (0.2 / 0.025), rel=1e-6)
+
+
+@pytest.mark.parametrize("evolution", [1.0, 2.0])
+def test_a_velocity_step_shows_both_effects(evolution: float) -> None:
+    # A spring so stiff that the velocity is that of the pull: Dieterich 1979.
+    given = {"m": 1e-3, "load": 1e3 - 1e-3 * G, "k": 1e12, "c": 0.0, "v": 1e-6}
+    run = Run("rate_state", given | {"evolution": evolution, "theta_start": 10.0})
+    steady = run.advance(200.0)["mu"]
+    assert steady == pytest.approx(0.6, abs=1e-9)
+    run.block.set("v", 1e-5)
+    peak = max(run.advance(1e-3)["mu"] for _ in range(2000))
+    assert peak == pytest.approx(0.6 + 0.01 * math.log(10.0), abs=2e-4)
+    assert run.advance(200.0)["mu"] == pytest.approx(0.6 - 0.005 * math.log(10.0), abs=1e-9)
+
+
+def test_stiff_bristles_are_stribecks_curve() -> None:
+    """The period tends to Stribeck's as sigma_0^(-1/2) where sigma_1 = sqrt(sigma_0)."""
+    names = ("m", "k", "v", "c", "mu_s", "mu_k", "v_s")
+    stribeck = Run("stribeck", {name: PUBLISHED[name] for name in names})
+    limit = stribeck.advance(60.0)["T"]
+    differences = []
+    for sigma_0 in (1e7, 1e9, 1e11):
+        own = {"sigma_0": sigma_0, "sigma_1": math.sqrt(sigma_0)}
+        differences.append(limit - Run("lugre", PUBLISHED | own).advance(60.0)["T"])
+    ratios = [one / other for one, other in pairwise(differences)]
+    # Slightly faster, as by a logarithm.
+    assert all(10.0 < ratio < 14.0 for ratio in ratios)
+
+
+def random_values(law: str, chance: random.Random) -> tuple[dict[str, float], float]:
+    """Return settings of a block and some of its periods [s]."""
+
+    def between(low: float, high: float) -> float:
+        return math.exp(chance.uniform(math.log(low), math.log(high)))
+
+    m, way = between(1e-2, 1e4), chance.choice((1.0, 1.0, -1.0))
+    if law == "lugre":
+        k, mu_k = m * between(1.0, 1e6), chance.uniform(0.02, 0.8)
+        mu_s = mu_k * chance.uniform(1.0, 2.5)
+        sigma_0 = k * between(1e1, 3e7)
+        length, w = max(mu_s - mu_k, 1e-3 * mu_s) * m * G / k, math.sqrt(k / m)
+        v = w * length * between(1e-2, 10.0)
+        own = {
+            "k": k, "mu_s": mu_s, "mu_k": mu_k, "sigma_0": sigma_0,
+            "sigma_1": 2.0 * between(0.05, 5.0) * math.sqrt(sigma_0 * m),
+            "c": chance.choice((0.0, 1.0)) * between(1e-3, 0.5) * math.sqrt(k * m),
+            "v_s": v * between(1e-2, 1e2), "delta": chance.choice((1.0, 1.5, 2.0)),
+            "v_d": chance.choice((0.0, v)), "x_dot_start": chance.choice((0.0, v, -2.0 * v)),
+            "v": way * v, "m": m,
+        }  # fmt: skip
+        return own, 6.0 * (2.0 * length / v + 2.0 * math.pi / w + 0.3 * mu_s * m * G / k / v)
+    normal, a = between(1e2, 1e7), between(1e-3, 0.02)
+    b, D_c, v = a * chance.uniform(0.7, 1.6), between(1e-6, 1e-3), between(1e-9, 1e-3)
+    inertia = chance.choice((1.0, 2.0))
+    k = max(abs(b - a), 0.01 * a) * normal / D_c * between(1e-2, 3.0)
+    c = between(1e-6, 1.0) * a * normal / v if inertia == 2.0 else 0.1 * math.sqrt(k * m)
+    own = {"m": m, "load": normal - m * G, "k": k, "a": a, "b": b, "D_c": D_c, "v": v, "c": c,
+           "evolution": chance.choice((1.0, 2.0)), "inertia": inertia,
+           "theta_start": D_c / v * between(0.1, 10.0)}  # fmt: skip
+    return own, 100.0 * D_c / v + 20.0 * a * normal / k / v
+
+
+@pytest.mark.parametrize("law", ["lugre", "rate_state"])
+def test_no_setting_is_too_stiff(law: str, sized: Sized) -> None:
+    chance, cycles = random.Random(3), 0
+    count = sized(200)
+    for number in range(count):
+        own, length = random_values(law, chance)
+        run = Run(law, own)
+        now = run.advance(length)
+        assert run.lost(now) < 1e-7, (number, own)
+        cycles += now["n_slips"] > 2
+    assert cycles > 0.4 * count
+
+
+EXTREMES = [
+    ("lugre", PUBLISHED | {"sigma_0": 1e12, "sigma_1": 1e6}, 60.0),
+    ("lugre", PUBLISHED | {"sigma_0": 1e12, "sigma_1": 0.0}, 0.02),
+    ("lugre", PUBLISHED | {"load": -G}, 60.0),
+    ("lugre", PUBLISHED | {"v": 0.0, "z_start": 0.5}, 60.0),
+    ("rate_state", QDYN | {"a": 0.024975}, 3000.0),
+    ("rate_state", QDYN | {"D_c": 1e-9}, 100.0),
+    ("rate_state", QDYN | {"v": 0.0}, 3000.0),
+]
+
+
+@pytest.mark.parametrize(("law", "given", "length"), EXTREMES)
+def test_extremes_end(law: str, given: dict[str, float], length: float) -> None:
+    run = Run(law, given)
+    assert run.lost(run.advance(length)) < 1e-7
+
+
+@pytest.mark.parametrize("law", ["lugre", "rate_state"])
+def test_what_the_laws_have_not_is_refused(law: str, tmp_path: Path) -> None:
+    assert isinstance(friction_law(law).law, NativeOnly)
+    with pytest.raises(ValueError, match=r"has no Python FMU.*\(--native\)$"):
+        build(tmp_path, law=law)
+    with pytest.raises(ValueError, match=r"is for co-simulation, not for model exchange$"):
+        packer.build(tmp_path, law=law, this_machine=True, model_exchange=True)
+    rows = core(law).spec.table.by_name
+    positive = {"lugre": ("sigma_0", "v_s"), "rate_state": ("a", "D_c", "V_0", "theta_start")}[law]
+    for name in positive:
+        assert "above 0" in str(rows[name].objection(0.0))
