@@ -138,8 +138,8 @@ def axis_file() -> Iterator[str]:
     yield from """\
 # The axis file
 
-For designers who describe a feed axis for `stickslip design`. This page lists what the file may
-say. It is made from the table that the command reads with.
+For designers who describe a feed axis for `stickslip design` and `stickslip reversal`. This page
+lists what the file may say. It is made from the table that the commands read with.
 
 - The file is TOML. A number carries its unit, as text: `"50 N/um"`, `"5 mm/min"`, `"60 kg cm2"`,
   `"1.5 m/min/mm"`. A number without unit is a coefficient or a ratio.

@@ -11,6 +11,7 @@ from typing import Any
 import pytest
 
 from examples.feed_axis.__main__ import build_all
+from stickslip import reversal
 from stickslip.systems import Move
 from stickslip_design.axis import Axis, axis_file_of, example, read_axis_file
 from stickslip_design.axis.keys import KEYS
@@ -27,7 +28,7 @@ ROOT = Path(__file__).parents[2]
 DOORS = [f"start/{door}" for door in ("simulator", "axis", "judge", "learn")]
 PAGES = {
     name: (ROOT / "docs" / f"{name}.md").read_text("utf-8")
-    for name in ("identify", "design", "cures", "seal", "friction", "studies", *DOORS)
+    for name in ("identify", "design", "reversal", "cures", "seal", "friction", "studies", *DOORS)
 }
 SAVED = re.compile(r"ave this as `([^`]+)`:\n\n```(?:toml)?\n(.+?)```", re.DOTALL)
 FILES = {name: text for page in PAGES.values() for name, text in SAVED.findall(page)}
@@ -45,8 +46,8 @@ def files(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def test_the_pages_hold_what_is_run() -> None:
-    assert len(FILES) == 7
-    assert len(ASKED) == 21
+    assert len(FILES) == 8
+    assert len(ASKED) == 23
 
 
 @needs("cluster", "studies")
@@ -106,6 +107,17 @@ def rows(page: str, heading: str) -> list[list[str]]:
 @pytest.mark.parametrize("row", rows("design", "not on the sheet")[:-1], ids=lambda row: row[0])
 def test_what_an_assumption_matters(row: list[str]) -> None:
     assert row[3] == f"{critical_feed(changed(FILES['sheet.toml'], row[2])) * 1e3:#.3g}"
+
+
+@pytest.mark.parametrize("row", rows("reversal", "changed"), ids=lambda row: row[0])
+def test_what_moves_the_glitch(row: list[str]) -> None:
+    data: dict[str, dict[str, Any]] = tomllib.loads(FILES["circle.toml"])
+    for key, value in tomllib.loads("\n".join(re.findall(r"`([^`]+)`", row[0]))).items():
+        next(table for table in data.values() if key in table)[key] = value
+    without, with_it = reversal(data).found.circles
+    found = without.glitch.height * 1e6, without.glitch.width * 1e3, with_it.G_b * 1e6
+    # As the page rounds them.
+    assert [float(cell) for cell in row[1:]] == pytest.approx(found, rel=5e-3)
 
 
 @pytest.mark.parametrize(

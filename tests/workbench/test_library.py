@@ -38,6 +38,7 @@ RESULTS: dict[str, Callable[[], Any]] = {
     "simulate": lambda: ss.simulate(ss.Parameters(c=2), "2 s", engine="reference"),
     "identify": lambda: ss.identify(RECORD, AXIS),
     "design": lambda: ss.design(AXIS),
+    "reversal": lambda: ss.reversal(AXIS, feeds=["2 m/min", 0.1], radii=[0.1]),
     "compare": lambda: ss.compare({"slow": AXIS, "fast": AXIS | {"demand": {"feeds": "1 m/s"}}}),
 }
 

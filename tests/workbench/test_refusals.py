@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pytest
 
+from stickslip_design.axis import example, template
 from tests.makers import SLIDER
 from tests.needs import needs
 from tests.workbench.running import Command
@@ -33,6 +34,8 @@ delta_x = "last"
 FILES = {
     "axis.toml": AXIS,
     "minus.toml": AXIS.replace('"500 kg', '"-5 kg'),
+    "swings.toml": example().replace('"25 1/s"', '"2000 1/s"'),
+    "table.toml": template("rotary"),
     "plan.toml": PLAN,
     "many.toml": PLAN.replace('log 3"', 'log 1000000"\nmu_s = "0.4..0.9 600000"'),
     "memory.toml": PLAN.replace('log 3"', 'log 1000000000"\nmu_s = [0.4, 0.5]'),
@@ -116,6 +119,19 @@ REFUSED = [
     ("identify speeds.csv --axis minus.toml", "minus.toml: line 3: axis.mass"),
     ("identify speeds.csv --column position", "--column position: write NAME=VALUE"),
     ("identify speeds.csv --column way=x", "way is none of t, position"),
+    ("reversal none.toml", "none.toml: cannot be read: no such file"),
+    ("reversal axis.toml --with minus.toml", 'minus.toml: line 3: axis.mass = "-5 kg | is out of'),
+    ("reversal table.toml", 'drive.kind = "rotary" is not for the circular test'),
+    ("reversal swings.toml", "X axis: its loop is unstable"),
+    ("reversal axis.toml --feeds 5N", "--feeds '5N' is a force; expected a velocity"),
+    (
+        "reversal axis.toml --feeds 1m/min --feeds 0",
+        "--feeds '0' is out of range: it must be above",
+    ),
+    ("reversal axis.toml --radii -3mm", "--radii '-3mm' is out of range: it must be above 0 m"),
+    ("reversal axis.toml --shares 300%", "--shares 3 is out of range: it must be from 0 to 2"),
+    ("reversal axis.toml --plot a.gif", "--plot a.gif: unknown format | .png, .svg or .pdf"),
+    ("reversal axis.toml --plot none/a.png", "--plot none/a.png: | no folder none"),
     ("names none.fmu", "none.fmu: | no such file"),
     ("names {slider} -o none/names.toml", "-o none/names.toml: "),
     ("names {slider} -o axis.toml", "it is there already, and may have been edited"),

@@ -17,6 +17,8 @@ from .library import cycle as cycle
 from .library import simulate as simulate
 from .parameters import ParameterError as ParameterError
 from .parameters import Parameters as Parameters
+from .reversals import Reversal as Reversal
+from .reversals import reversal as reversal
 from .studies import map as map  # noqa: A004 - the name of the command
 from .studies import scatter as scatter
 from .studies import sweep as sweep

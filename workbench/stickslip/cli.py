@@ -23,6 +23,7 @@ from stickslip.commands.identify import identify
 from stickslip.commands.map import map as map_
 from stickslip.commands.names import names
 from stickslip.commands.page import explore, page
+from stickslip.commands.reversal import reversal
 from stickslip.commands.scatter import scatter
 from stickslip.commands.score import score
 from stickslip.commands.shared import say
@@ -79,7 +80,7 @@ app = typer.Typer(
 )
 
 COMMANDS = (
-    *(build, simulate, critical, identify, design, map_, scatter, sweep, explore, page),
+    *(build, simulate, critical, identify, design, reversal, map_, scatter, sweep, explore, page),
     *(verify, names, score),
 )
 for command in COMMANDS:

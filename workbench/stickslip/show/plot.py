@@ -119,12 +119,18 @@ def write_plot(run: Run, target: Path, option: str = "file") -> None:
     `CommandError` if that is none of PNG, SVG and PDF, or the file cannot be written.
     """
     check_drawable(target, option)
+    write_figure(figure(run), target, option)
+
+
+def write_figure(page: Figure, target: Path, option: str = "file") -> None:
+    """Write a picture as `write_plot` does."""
+    check_drawable(target, option)
     suffix = target.suffix.lower().removeprefix(".")
     # The file says what was run, not when: the same run gives the same bytes.
     metadata = {"svg": {"Date": None}, "pdf": {"CreationDate": None}}.get(suffix)
     picture = io.BytesIO()
     with mpl.rc_context(_STYLE):
-        figure(run).savefig(picture, format=suffix, dpi=160, metadata=metadata)
+        page.savefig(picture, format=suffix, dpi=160, metadata=metadata)
     write(target, picture.getvalue(), option)
 
 

@@ -224,7 +224,7 @@ class Builder:
                 self._assume("friction.mu_s", f"{mu_s:.4g}", reason)
         assert mu_s is not None
         assert mu_k is not None
-        above = mu_k > mu_s
+        above, way = mu_k > mu_s, self._values.get("friction.presliding")
         if not capped and curve is None and above:
             stated = "mu_k" if "friction.mu_k" in self._values else f"{self._symbol}_k"
             unit = "N m at the table" if self._turns else "N at the slide"
@@ -236,6 +236,7 @@ class Builder:
         return Friction(
             mu_s=mu_s, mu_k=_least(mu_k, mu_s), law=self._law, own=own,
             in_newtons=f"friction.{self._symbol}_s" in self._values, capped=above,
+            presliding=way.value if isinstance(way, Number) else 0.0,
         )  # fmt: skip
 
     def _coefficient(self, which: str, normal: float) -> float | None:

@@ -96,6 +96,8 @@ class Friction:
     """The other parameters of the law by name, SI."""
     in_newtons: bool = False
     """Whether it was stated as forces, which do not change with the mass."""
+    presliding: float = 0.0
+    """Way over which friction turns over at a reversal [m]; 0: as usual for the kind of way."""
     capped: bool = False
     """Whether the kinetic coefficient came above the static one, and was taken as that."""
 

@@ -1,0 +1,1 @@
+"""What an axis does where it reverses: on a circle, and at a target from both sides."""
