@@ -128,7 +128,8 @@ TWISTS: Final[dict[str, Callable[[Columns, np.random.Generator], Columns]]] = {
 }  # fmt: skip
 
 
-def _record(q: Columns) -> Record:
+def recorded(q: Columns) -> Record:
+    """Return columns as a record."""
     return Record(t=q["t"], command=q["command"], position=q["position"], force=q["force"])
 
 
@@ -138,11 +139,11 @@ def others() -> Iterator[tuple[str, Kind, Record]]:
         rng = np.random.default_rng([37, KINDS.index(kind)])
         plain = made(kind, "plain", rng)
         for name, twist in TWISTS.items():
-            yield name, kind, _record(twist(plain, rng))
+            yield name, kind, recorded(twist(plain, rng))
         for name in ("tanh", "LuGre", "Stribeck", "by position"):
             columns = made(kind, name, rng)
-            yield name, kind, _record(columns)
-    yield "by position, 12 bits", "excitation", _record(TWISTS["12 bits"](columns, rng))
+            yield name, kind, recorded(columns)
+    yield "by position, 12 bits", "excitation", recorded(TWISTS["12 bits"](columns, rng))
 
 
 def twin() -> Record:

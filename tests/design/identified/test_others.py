@@ -1,10 +1,11 @@
 """What is said of records that the model does not explain, and of a twin of a real one."""
 
+import numpy as np
 import pytest
 
 from stickslip_design.identify.study import identify
 from stickslip_design.one_thread import one_thread
-from tests.design.identified.others import TRUTH, others, twin
+from tests.design.identified.others import TRUTH, made, others, recorded, twin
 
 pytestmark = pytest.mark.gate
 
@@ -25,6 +26,17 @@ def test_no_number_of_a_record_of_others_is_wrong_and_called_known() -> None:
             ]  # fmt: skip
     assert len(records) == 40
     assert not wrong
+
+
+@one_thread
+@pytest.mark.parametrize("name", ["tanh", "LuGre", "Stribeck"])
+def test_steady_runs_tell_viscous_friction_beside_friction_that_falls(name: str) -> None:
+    result = identify(recorded(made("steady runs", name, np.random.default_rng(1))), None)
+    assert result.curve is not None
+    assert "falls" in result.curve.law
+    for number in map(result.number, ("axis.c", "friction.F_k")):
+        assert number.low <= TRUTH[number.name] <= number.high
+        assert number.known
 
 
 @one_thread

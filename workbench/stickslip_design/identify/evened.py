@@ -1,66 +1,63 @@
-"""A record on an even grid, and through one zero-phase filter, with its derivatives."""
+"""A record on an even grid, behind one zero-phase filter with its derivatives; its steady runs."""
 
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from typing import Final, NamedTuple
 
 import numpy as np
-from scipy.signal import butter, sosfiltfilt
+from scipy.integrate import cumulative_trapezoid
+from scipy.ndimage import maximum_filter1d, minimum_filter1d
+from scipy.signal import butter, savgol_filter, sosfiltfilt
 from scipy.special import beta
 
 from stickslip_score import scatter_of
 
 from .model import Floats, Record
 
+_COLUMNS: Final = ("position", "velocity", "command", "force")
 _GAP: Final = 5.5
 """A step longer than so many usual ones is a gap, over which nothing is interpolated."""
-_ORDER: Final = 4
 _LEAST: Final = 40
 """Samples of an unbroken run below which it is left out."""
-_FIRST: Final = np.array([-1.0, 9.0, -45.0, 0.0, 45.0, -9.0, 1.0]) / 60.0
-_SECOND: Final = np.array([2.0, -27.0, 270.0, -490.0, 270.0, -27.0, 2.0]) / 180.0
-"""Derivatives by differences of sixth order: within 2e-4 at a tenth of the sample rate."""
-_MARGIN: Final = 3
+_STEADY, _DEVIATIONS, _BURIED = 0.05, 4.0, 0.2
+"""Of its speed: how far a steady run may be off its median, beside so many deviations of the noise,
+and noise that hides whether it is steady."""
+_SHORTEST, _FEWEST, _ENDS = 0.1, 100, 0.1
+"""Time [s] and samples of a steady run at least; the part of it left out at each end."""
+_STRIDE, _CORNER = 10, 0.02
+"""Samples of which one is looked at for that; corner of the low pass before, of their rate."""
+_MOVES: Final = 1e-3
+"""Of the highest speed: below it the table rests."""
 
 
 class Even(NamedTuple):
-    """An unbroken run of a record on an even grid; columns that it has not are None."""
+    """An unbroken run of a record on an even grid."""
 
     t: Floats
     step: float
-    position: Floats
-    velocity: Floats | None
-    command: Floats | None
-    force: Floats | None
+    columns: dict[str, Floats]
+    """Position, velocity, command and force, by their names in a record, as far as it has them."""
 
 
 def evened(record: Record) -> list[Even]:
     """Return the unbroken runs of a record, its samples interpolated to its usual step.
 
-    Without a position the speed is summed up.
+    Without a position the speed is summed up. ValueError without both, or without a long run.
     """
-    step = float(np.median(np.diff(record.t)))
-    breaks = np.flatnonzero(np.diff(record.t) > _GAP * step) + 1
-    position = record.position
-    if position is None and record.velocity is not None:
-        mean = 0.5 * (record.velocity[1:] + record.velocity[:-1])
-        position = np.concatenate([[0.0], np.cumsum(mean * np.diff(record.t))])
-    if position is None:
-        raise ValueError("the record has neither a position nor a speed")
-    runs = []
-    for places in np.split(np.arange(record.t.size), breaks):
-        if places.size < _LEAST:
-            continue
-        t = record.t[places]
-        is_even = bool(np.all(np.abs(np.diff(t) - step) < 1e-3 * step))
-        grid = t if is_even else np.arange(t[0], t[-1], step)
-        columns = [
-            None if c is None else c[places] if is_even else np.interp(grid, t, c[places])
-            for c in (position, record.velocity, record.command, record.force)
-        ]
-        assert columns[0] is not None
-        runs.append(Even(grid, step, columns[0], *columns[1:]))
+    t, named = record.t, {name: getattr(record, name) for name in _COLUMNS}
+    if record.position is None:
+        if record.velocity is None:
+            raise ValueError("the record has neither a position nor a speed")
+        named["position"] = cumulative_trapezoid(record.velocity, t, initial=0.0)
+    columns = {name: column for name, column in named.items() if column is not None}
+    step, runs = float(np.median(np.diff(t))), []
+    for part in np.split(np.arange(t.size), np.flatnonzero(np.diff(t) > _GAP * step) + 1):
+        if part.size >= _LEAST:
+            grid = np.arange(t[part[0]], t[part[-1]] + 0.5 * step, step)
+            even = {n: np.interp(grid, t[part], column[part]) for n, column in columns.items()}
+            runs.append(Even(grid, step, even))
     if not runs:
         raise ValueError(f"the record has no {_LEAST} samples in a row without a gap")
     return runs
@@ -73,54 +70,90 @@ class Filtered(NamedTuple):
     x: Floats
     v: Floats
     a: Floats
-    force: Floats | None
-    wanted: tuple[Floats, Floats] | None
-    """Commanded speed and acceleration."""
+    force: Floats
+    wanted: list[Floats]
+    """Commanded speed and acceleration; empty: there is no command."""
 
 
 def low_pass(s: Floats, step: float, corner: float) -> Floats:
     """Return a signal of even steps [s] through a low pass with a corner [Hz], forth and back."""
-    sos = butter(_ORDER, corner, fs=1.0 / step, output="sos")
+    sos = butter(4, corner, fs=1.0 / step, output="sos")
     return np.asarray(sosfiltfilt(sos, s, padlen=min(s.size - 1, int(3.0 / (corner * step)))))
 
 
 def filtered(run: Even, corner: float) -> Filtered:
     """Return a run through the low pass with a corner [Hz]; ends of three samples are left out."""
-    inner = slice(_MARGIN, -_MARGIN)
 
-    def derived(column: Floats) -> tuple[Floats, Floats, Floats]:
-        x = low_pass(column, run.step, corner)
-        v = np.convolve(x, _FIRST[::-1], "same") / run.step
-        a = np.convolve(x, _SECOND, "same") / run.step**2
-        return x[inner], v[inner], a[inner]
+    def derived(name: str, *orders: int) -> list[Floats]:
+        # Differences of sixth order: within 2e-4 at a tenth of the sample rate.
+        x = low_pass(run.columns[name], run.step, corner)
+        return [savgol_filter(x, 7, 6, n, run.step)[3:-3] for n in orders]
 
-    x, v, a = derived(run.position)
-    if run.velocity is not None:
-        v, a, _ = derived(run.velocity)
-    force = None if run.force is None else low_pass(run.force, run.step, corner)[inner]
-    wanted = None if run.command is None else derived(run.command)[1:]
-    return Filtered(run.t[inner], x, v, a, force, wanted)
+    x, v, a = derived("position", 0, 1, 2)
+    if "velocity" in run.columns:
+        v, a = derived("velocity", 0, 1)
+    wanted = derived("command", 1, 2) if "command" in run.columns else []
+    (force,) = derived("force", 0)
+    return Filtered(run.t[3:-3], x, v, a, force, wanted)
 
 
-class Scatter(NamedTuple):
-    """What noise leaves on a filtered speed [m/s] and acceleration [m/s2], rms."""
-
-    v: float
-    a: float
-
-
-def scatter(run: Even, corner: float, rounding: float) -> Scatter:
-    """Return the noise of speed and acceleration behind the low pass with a corner [Hz].
+def scatter(run: Even, corner: float, rounding: float) -> tuple[float, float]:
+    """Return the noise of speed [m/s] and acceleration [m/s2] behind the low pass, rms.
 
     Of white noise of the position, or of the speed where that is measured, its numbers rounded by
-    at most `rounding`.
+    at most `rounding`; the corner in Hz.
     """
-    white = run.position if run.velocity is None else run.velocity
-    sigma = scatter_of(run.t, white)
+    first = 0 if "velocity" in run.columns else 1
+    sigma = scatter_of(run.t, run.columns["position" if first else "velocity"])
     sigma = max(sigma if math.isfinite(sigma) else 0.0, rounding / math.sqrt(3.0))
-    density, w = 2.0 * run.step * sigma**2, 2.0 * math.pi
-    # What the low pass leaves: the integral of u^(2n)/(1 + u^8)^2.
-    parts = [0.125 * beta((2 * n + 1) / 8.0, 2.0 - (2 * n + 1) / 8.0) for n in range(3)]
-    powers = [density * w ** (2 * n) * corner ** (2 * n + 1) * parts[n] for n in range(3)]
-    first = 1 if run.velocity is None else 0
-    return Scatter(math.sqrt(powers[first]), math.sqrt(powers[first + 1]))
+
+    def left(n: int) -> float:
+        """Return the n-th derivative's, by the integral of u^(2n)/(1 + u^8)^2."""
+        part = 0.125 * beta((2 * n + 1) / 8.0, 2.0 - (2 * n + 1) / 8.0)
+        power = 2.0 * run.step * corner * part * (2.0 * math.pi * corner) ** (2 * n)
+        return sigma * math.sqrt(power)
+
+    return left(first), left(first + 1)
+
+
+class Plateau(NamedTuple):
+    """A steady run: its begin and end [s], and its speed [m/s]."""
+
+    begin: float
+    end: float
+    speed: float
+
+
+def plateaus(runs: Sequence[Even], rounding: float) -> tuple[list[Plateau], float]:
+    """Return the steady runs, and their share of the time in which the table moves.
+
+    `rounding` is half a unit in the last digit of the positions [m].
+    """
+    found, moving, steady = [], 0, 0
+    corner = _CORNER / runs[0].step
+    window = max(_FEWEST, int(_SHORTEST / runs[0].step)) // _STRIDE
+    ways = [filtered(run, corner) for run in runs]
+    highest = max(float(np.max(np.abs(way.v))) for way in ways)
+    for run, way in zip(runs, ways, strict=True):
+        noise = _DEVIATIONS * scatter(run, corner, rounding)[0]
+        t, v = way.t[::_STRIDE], way.v[::_STRIDE]
+        size = np.abs(v)
+        moves = size > max(_MOVES * highest, noise)
+        moving += int(np.count_nonzero(moves))
+        allowed = _STEADY * size + noise
+        ahead = {"size": window, "origin": -(window // 2)}
+        span = maximum_filter1d(v, **ahead) - minimum_filter1d(v, **ahead)
+        starts = np.flatnonzero((span <= allowed) & moves & (noise <= _BURIED * size))
+        end = 0
+        for begin in starts[starts < t.size - window].tolist():
+            if begin < end:
+                continue
+            speed = float(np.median(v[begin : begin + window]))
+            off = np.abs(v[begin:] - speed) > allowed[begin]
+            length = int(np.argmax(off)) if off.any() else off.size
+            if length >= window:
+                cut = int(_ENDS * length)
+                inner = t[begin + cut : begin + length - cut - 1]
+                found.append(Plateau(float(inner[0]), float(inner[-1]), speed))
+                end, steady = begin + length, steady + length
+    return found, min(steady / max(moving, 1), 1.0)
