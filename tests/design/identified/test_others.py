@@ -40,6 +40,14 @@ def test_steady_runs_tell_viscous_friction_beside_friction_that_falls(name: str)
 
 
 @one_thread
+def test_friction_that_falls_near_rest_is_said_and_moves_no_number_of_an_excitation() -> None:
+    result = identify(recorded(made("excitation", "LuGre", np.random.default_rng(2))), None)
+    assert "friction is bent near rest" in result.residual.faults
+    for number in map(result.number, ("axis.mass", "axis.c", "friction.F_k")):
+        assert number.low <= TRUTH[number.name] <= number.high
+
+
+@one_thread
 def test_a_twin_of_a_real_record_tells_its_numbers_and_that_its_directions_differ() -> None:
     result = identify(twin(), None)
     assert result.kind == "excitation"

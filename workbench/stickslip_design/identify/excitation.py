@@ -15,7 +15,7 @@ from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.ndimage import binary_opening, maximum_filter1d
+from scipy.ndimage import maximum_filter1d
 
 from ..axis import Axis
 from .evened import Even, Filtered, Plateau, evened, filtered, low_pass, plateaus, scatter
@@ -25,21 +25,20 @@ from .noise import Estimate, Memory, least_squares
 
 _WHITENED: Final = 0.55
 """Corner of the low pass, of the rate of the samples behind it: white noise stays white to 1 %."""
-_FIRST, _WIDER, _LAST, _FEW = 6, 1.25, 200, 60
-"""Stride of the samples behind the widest low pass; of the next one; samples that are enough to
-look at the next one, and so few that it is wider though motor and table are less as one."""
-_KEPT, _MOST = 50_000, 3000
-"""Samples of a long record, and points of a drawn trace, about."""
+_FIRST, _WIDER, _FEW = 6, 1.25, 60
+"""Stride of the samples behind the widest low pass; of the next one; so few samples that it is
+wider though motor and table are less as one."""
 _LITTLE: Final = 0.15
 """Of the residual's power: that of the acceleration's noise."""
+_KEPT, _MOST = 50_000, 3000
+"""Samples of a long record, and points of a drawn trace, about."""
 _STIFF, _SPRING = 0.25, 0.2
 """Of the frequency of the table on its spring: highest corner, where table and motor are nearly one
 mass. The ± of the stiffness that an axis states, relative."""
-_SLOW, _REST = 0.02, 0.002
-"""Of the highest speed: below it friction is not taken for Coulomb's, and a table rests."""
-_RINGING, _AFTER_REST = 1.1, 2.5
-"""Length of the low pass's answer, over its corner's period: beside a turn, and where the table may
-rest, as behind a spring or for longer."""
+_SLOW: Final = 0.02
+"""Of the highest speed: below it friction is not taken for Coulomb's."""
+_RINGING: Final = 1.1
+"""Length of the low pass's answer, over its corner's period."""
 _STEADILY, _NEARLY, _FEW_SPEEDS, _INERTIA = 0.6, 0.85, 3, 0.15
 """A record is of steady runs if they are this part of the moving time, at so many speeds, and the
 force of the inertia has at most this part of the power; or nearly all of the time."""
@@ -151,6 +150,22 @@ class _Rows:
         return abs(forward - backward) > _WAY * self.apart.deviation(*ways)
 
     @property
+    def quiet(self) -> bool:
+        """Whether the noise of the acceleration is little of the residual."""
+        noise = (self.both.number("m") * self.noise[1]) ** 2
+        return not self.hidden and noise < _LITTLE * float(np.mean(self.both.residual**2))
+
+    @property
+    def hidden(self) -> bool:
+        """Whether the noise of the acceleration is most of it."""
+        return bool(np.var(self.moved["m"]) < 2.0 * self.noise[1] ** 2)
+
+    @property
+    def doubt(self) -> float:
+        """Logarithm of the volume of the numbers' covariance; infinite if the mass is hidden."""
+        return math.inf if self.hidden else float(np.linalg.slogdet(self.both.covariance)[1])
+
+    @property
     def best(self) -> Estimate:
         """The numbers with as many slopes as are needed."""
         return self.apart if self.differ else self.both
@@ -225,31 +240,23 @@ def _rows(runs: Sequence[Even], record: Record, axis: Axis | None) -> _Rows:
 
     Where the position has all the noise, behind the one with which the numbers are known best.
     """
-    count = sum(run.t.size for run in runs)
-    stride, least, best = max(_FIRST, count // _KEPT), math.inf, None
+    stride = max(_FIRST, sum(run.t.size for run in runs) // _KEPT)
     if axis and axis.drive:
         highest = _STIFF * math.sqrt(axis.k / axis.m) / (2.0 * math.pi)
         stride = max(stride, math.ceil(_WHITENED / (highest * runs[0].step)))
-    while best is None or count // stride > _LAST:
+    rows = _at(runs, record, axis, stride)
+    while stride > _FIRST and (rows is None or rows.moved["t"].size < _FEW):
+        stride = max(_FIRST, int(stride / _WIDER))
         rows = _at(runs, record, axis, stride)
-        if rows is None or rows.moved["t"].size < _FEW:
-            if best is not None:
-                break
-            if stride > _FIRST:
-                stride = max(_FIRST, int(stride / _WIDER))
-                continue
-        if rows is None:
-            raise ValueError("the table does not move in this record")
-        found, noise = rows.both, rows.noise[1] ** 2
-        buried = bool(np.var(rows.moved["m"]) < 2.0 * noise)
-        size = float(np.linalg.slogdet(found.covariance)[1])
-        if best is not None and size > least:
-            break
-        least, best = math.inf if buried else size, rows
-        if not buried and found.number("m") ** 2 * noise < _LITTLE * np.mean(found.residual**2):
-            break
+    if rows is None:
+        raise ValueError("the table does not move in this record")
+    while not rows.quiet:
         stride = math.ceil(_WIDER * stride)
-    return best
+        narrower = _at(runs, record, axis, stride)
+        if narrower is None or narrower.moved["t"].size < _FEW or narrower.doubt > rows.doubt:
+            break
+        rows = narrower
+    return rows
 
 
 def _at(
@@ -271,12 +278,10 @@ def _at(
     yielding, reach = _yielding(axis), max(2, int(_RINGING / (corner * step)))
     late, parts = _lateness(ways), list[Columns]()
     for way in ways:
-        size = np.abs(way.v)
-        # Where the table turns it may rest, in which friction is anything, and the low pass brings
-        # it in from there.
-        slow = size <= _SLOW * highest
-        rests = slow if yielding else binary_opening(size < _REST * highest, np.ones(reach))
-        use = ~(_wider(slow, reach) | _wider(rests, int(_AFTER_REST / (corner * step))))
+        # Where the table turns it may rest, behind a spring for long, in which friction is
+        # anything, and the low pass brings it in from there.
+        near = 4 * reach + 1 if yielding else 2 * reach + 1
+        use = ~maximum_filter1d(np.abs(way.v) <= _SLOW * highest, near)
         if steady:
             use = np.any([(way.t >= p.begin) & (way.t <= p.end) for p in steady], axis=0)
         # At the ends of a run the low pass has other surroundings for each column.
@@ -304,10 +309,6 @@ def _at(
         yielding=yielding,
         steady=bool(steady),
     )
-
-
-def _wider(some: NDArray[np.bool_], reach: int) -> NDArray[np.bool_]:
-    return np.asarray(maximum_filter1d(some, 2 * reach + 1))
 
 
 def _moved(v: Floats, a: Floats, step: float, corner: float) -> Columns:
@@ -395,6 +396,7 @@ def _others(rows: _Rows, axis: Axis | None) -> dict[str, Estimate]:
         tried |= {
             "friction is bent over the speed": [sign * size**2],
             "friction is bent at low speed": [sign * np.exp(-10.0 * size / size.max())],
+            "friction is bent near rest": [sign * np.exp(-40.0 * size / size.max())],
         }
     if axis and axis.drive:
         turn = 2.0 * math.pi * middle / axis.drive.pitch
@@ -403,9 +405,7 @@ def _others(rows: _Rows, axis: Axis | None) -> dict[str, Estimate]:
     plain = {"c": v, "F_k": sign, "offset": np.ones_like(sign)}
     for words, columns in tried.items():
         own = rows.numbers(plain, force=columns[0])
-        # The noise of the acceleration, where that shows it as well.
-        hidden = 0.0 if rows.steady else 2.0 * size.size * (own.number("m") * rows.noise[1]) ** 2
-        if own.residual @ own.residual < _OWN * (columns[0] @ columns[0]) + hidden:
+        if own.residual @ own.residual < _OWN * (columns[0] @ columns[0]):
             continue
         found = rows.fit({str(n): one for n, one in enumerate(columns)}, apart=rows.differ)
         moves = [abs(found.number(n) - best.number(n)) > best.reach(n) for n in best.names]
