@@ -79,3 +79,17 @@ def test_motion_in_one_direction_tells_no_constant_force() -> None:
     found = identify(Record(t=T, position=X + 0.2 * T, force=force))
     assert contains(found, {"axis.mass": 80.0, "axis.c": 300.0, "friction.F_k": 32.0})
     assert "axis.force_along" in dict(found.untold)
+
+
+def test_a_force_that_is_clipped_tells_nothing_where_it_is() -> None:
+    limit = np.quantile(np.abs(FORCE), 0.9)
+    found = identify(Record(t=T, position=X, force=FORCE.clip(-limit, limit)))
+    assert found.explained
+    assert contains(found, TRUTH)
+    assert any("the force is clipped" in note for note in found.notes)
+
+
+def test_a_sample_that_is_disturbed_is_said() -> None:
+    force = FORCE + 1e6 * (np.arange(T.size) == 5000)
+    found = identify(Record(t=T, position=X, force=force))
+    assert any("1e+06 N at 5 s" in fault for fault in found.residual.faults)

@@ -202,7 +202,14 @@ BAD = "t,position [mm],force\n" + rows()
         (BAD.replace("0.003", "NaN"), {}, None, "line 4: position [mm] is 'NaN', not a finite"),
         (BAD.replace("0.003", "a"), {}, None, "line 4: position [mm] is 'a', not a finite"),
         ("x\n\n" + BAD.replace("0.002,", "0,"), {}, None, "line 6: time does not increase (0 aft"),
-        (BAD.replace("0.003,6", "0.003"), {}, None, "line 4: 2 cells under a header of 3"),
+        (
+            BAD.replace("0.003,6", "0.003"),
+            {},
+            None,
+            "line 4: 2 cells under a header of 3: is the l",
+        ),
+        (BAD.replace("0.003", "1,000"), {}, None, "4 cells under a header of 3: commas inside num"),
+        ("t\x1b[2J,b\x07,c\n" + rows(), {}, None, "the columns are t?[2J, b?, c"),
         ("t,x,F\n0,1,2\n", {}, None, "1 samples; at least 5 are needed"),
         ("", {}, None, "is empty"),
         (rows(), {}, None, "has no header line"),
@@ -215,7 +222,7 @@ def test_what_cannot_be_read_is_refused_in_one_line_with_its_place(
         read(tmp_path, text, axis, columns)
     assert words in str(refused.value)
     assert str(refused.value).startswith(str(tmp_path))
-    assert "\n" not in str(refused.value)
+    assert str(refused.value).isprintable()
 
 
 def test_a_bad_cell_behind_a_million_rows_is_found_with_its_line(tmp_path: Path) -> None:

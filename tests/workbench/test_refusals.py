@@ -47,6 +47,7 @@ FILES = {
     "empty.csv": "",
     "timeless.csv": "x,F\n0,0\n",
     "speeds.csv": "t,x,F\n0,0,1\n0.1,1,2\n",
+    "rest.csv": "t,x,F\n" + "".join(f"{n},0,{n}\n" for n in range(50)),
     "word.csv": "t,x\n0,0\n0.1,much\n",
 }
 REFUSED = [
@@ -107,6 +108,8 @@ REFUSED = [
     ("design --template axis.toml", "there is such a file already"),
     ("identify none.csv", "none.csv"),
     ("identify word.csv", "word.csv: | line 3"),
+    ("identify speeds.csv", "speeds.csv: "),
+    ("identify rest.csv", "rest.csv: no motion is left to judge: the table rests, or the force is"),
     ("identify speeds.csv -o speeds.csv", "--output speeds.csv: that is another file"),
     (
         "identify speeds.csv --axis axis.toml --write axis.toml",

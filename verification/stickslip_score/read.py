@@ -28,6 +28,7 @@ _DIGITS_OF = 500  # samples whose digits are counted; the longest of them has al
 _RUNS, _RUN = 4, 500  # runs of neighbouring samples in which counts are sought, samples of each
 _ROUNDINGS = 1024.0 * 2.0**-53  # of the largest number: moves below it are none
 _ON_THE_GRID = 0.01  # of half a unit: times printed off their grid scatter by nearly all of it
+_LONGEST = 400  # characters of a refusal
 _SAME = 1e-9  # of a column's largest value: what rows of one time at an event may differ by
 _PIECE = 2**23  # characters that are parsed at once
 _MOST_ABOVE = 100  # lines of a header, and of notes and units between it and the numbers
@@ -219,7 +220,9 @@ def refusing(path: Path | str) -> Iterator[None]:
     except OSError as error:
         raise CurveError(f"{path}: cannot be read: {error.strerror or error}") from None
     except CurveError as error:
-        raise CurveError(f"{path}: {error}") from None
+        # Of a file that is no text the cells are anything.
+        text = "".join(sign if sign.isprintable() else "?" for sign in str(error))
+        raise CurveError(f"{path}: {text[:_LONGEST]}") from None
 
 
 def read_columns(file: Path, quantities: Quantities) -> tuple[dict[str, Floats], dict[str, str]]:
@@ -449,10 +452,10 @@ def _split_table(piece: str, first: int, layout: _Layout) -> Floats:
         if line.count('"') % 2:
             raise CurveError(f"line {number}: a quote is not closed on its line")
         if any(row[len(header) :]) or len(row) <= max(needed):
-            raise CurveError(
-                f"line {number}: {len(row)} cells under a header of {len(header)}: commas inside "
-                "numbers? Write them without"
-            )
+            many = "commas inside numbers? Write them without"
+            why = many if len(row) > len(header) else "is the line cut off?"
+            cells = f"{len(row)} cells under a header of {len(header)}"
+            raise CurveError(f"line {number}: {cells}: {why}")
         texts.append([row[index].strip() for index in needed])
         numbers.append(number)
     comma = "," if layout.comma or _has_decimal_commas(texts, numbers) else "."

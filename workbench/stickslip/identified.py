@@ -104,5 +104,8 @@ def identify(
     else:
         source, samples = Path(record).name, read_record(record, columns, known)
     drive = known.drive if known else None
-    found = report.scaled(study.identify(samples, known), samples.force_spread, drive)
-    return Identification(found, source, file)
+    try:
+        found = study.identify(samples, known)
+    except ValueError as error:
+        raise ValueError(f"{source}: {error}") from None
+    return Identification(report.scaled(found, samples.force_spread, drive), source, file)

@@ -1,6 +1,7 @@
 """`stickslip identify`: from a record of a drive or a pull test to the numbers of an axis."""
 
 from collections.abc import Mapping
+from contextlib import suppress
 from pathlib import Path
 
 from stickslip.commands.expanded import command
@@ -25,6 +26,7 @@ def identify(
     from stickslip import files
     from stickslip.identified import identify as identified
     from stickslip.progress import meter
+    from stickslip_design.axis import AxisError, read_axis_file
 
     report = output or Path(record.with_suffix(".html").name)
     asked = {"--output": report, "--write": write, "--json": json}
@@ -43,4 +45,6 @@ def identify(
     console().print(found.table())
     print("report:", ", ".join(map(str, targets.values())))
     if write:
-        print(f"next: stickslip design {write}")
+        with suppress(AxisError):
+            read_axis_file(write).axis()
+            print(f"next: stickslip design {write}")

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from typing import Final, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.integrate import cumulative_trapezoid
 from scipy.ndimage import maximum_filter1d, minimum_filter1d
 from scipy.signal import butter, savgol_filter, sosfiltfilt
@@ -21,6 +22,9 @@ _GAP: Final = 5.5
 """A step longer than so many usual ones is a gap, over which nothing is interpolated."""
 _LEAST: Final = 40
 """Samples of an unbroken run below which it is left out."""
+_CLIPPED, _MOST_CLIPPED, _OFTEN = 0.005, 0.25, 3.0
+"""A force is clipped where its greatest or least value has more than this part of the samples, less
+than that, and so many times those of any other value."""
 _STEADY, _DEVIATIONS, _BURIED = 0.05, 4.0, 0.2
 """Of its speed: how far a steady run may be off its median, beside so many deviations of the noise,
 and noise that hides whether it is steady."""
@@ -39,6 +43,8 @@ class Even(NamedTuple):
     step: float
     columns: dict[str, Floats]
     """Position, velocity, command and force, by their names in a record, as far as it has them."""
+    clipped: NDArray[np.bool_]
+    """Where the force stands at a limit."""
 
 
 def evened(record: Record) -> list[Even]:
@@ -49,17 +55,21 @@ def evened(record: Record) -> list[Even]:
     t, named = record.t, {name: getattr(record, name) for name in _COLUMNS}
     if record.position is None:
         if record.velocity is None:
-            raise ValueError("the record has neither a position nor a speed")
+            raise ValueError("a column of position or velocity is missing: name it by --column")
         named["position"] = cumulative_trapezoid(record.velocity, t, initial=0.0)
     columns = {name: column for name, column in named.items() if column is not None}
     step, runs = float(np.median(np.diff(t))), []
+    values, counts = np.unique(columns["force"], return_counts=True)
+    often = max(_CLIPPED * t.size, _OFTEN * counts[1:-1].max(initial=1))
+    at_ends = counts[[0, -1]]
+    limits = values[[0, -1]][(at_ends > often) & (at_ends < _MOST_CLIPPED * t.size)]
     for part in np.split(np.arange(t.size), np.flatnonzero(np.diff(t) > _GAP * step) + 1):
         if part.size >= _LEAST:
             grid = np.arange(t[part[0]], t[part[-1]] + 0.5 * step, step)
             even = {n: np.interp(grid, t[part], column[part]) for n, column in columns.items()}
-            runs.append(Even(grid, step, even))
+            runs.append(Even(grid, step, even, np.isin(even["force"], limits)))
     if not runs:
-        raise ValueError(f"the record has no {_LEAST} samples in a row without a gap")
+        raise ValueError(f"no {_LEAST} samples in a row are without a gap: record for longer")
     return runs
 
 

@@ -178,9 +178,9 @@ def driven(record: Record, axis: Axis | None) -> Identified:
     friction are subtracted.
     """
     if record.force is None:
-        raise ValueError("a driven axis needs a column of its force, torque or current")
+        raise ValueError("a column of force, torque or current is missing: name it by --column")
     if not np.ptp(record.force):
-        raise ValueError("the force does not change in this record")
+        raise ValueError("the force does not change in this record: is it the right column?")
     runs = evened(record)
     steady, share = plateaus(runs, record.rounding.get("position", 0.0))
     rows, speeds = _rows(runs, record, axis), sorted(run.speed for run in steady)
@@ -193,6 +193,12 @@ def driven(record: Record, axis: Axis | None) -> Identified:
     best = law.estimate if rows.steady else rows.best
     lag = min(max(1, round(_LAG / rows.step)), memory.correlation.size)
     at = lag * rows.step, float(memory.correlation[lag - 1])
+    part = float(np.mean(np.concatenate([run.clipped for run in runs])))
+    notes = [*_notes(rows, at)]
+    if part:
+        notes.append(
+            f"In {100.0 * part:.2g} % of the samples the force is clipped: they tell nothing."
+        )
     shown = slice(None, None, max(1, moved["t"].size // _MOST))
     untold = [("friction.F_s", "a table that does not stick and slip tells no static friction")]
     if rows.steady:
@@ -231,7 +237,7 @@ def driven(record: Record, axis: Axis | None) -> Identified:
         ),
         segments=tuple(parts),
         curve=curve,
-        notes=tuple(_notes(rows, at)),
+        notes=tuple(notes),
     )
 
 
@@ -249,7 +255,7 @@ def _rows(runs: Sequence[Even], record: Record, axis: Axis | None) -> _Rows:
         stride = max(_FIRST, int(stride / _WIDER))
         rows = _at(runs, record, axis, stride)
     if rows is None:
-        raise ValueError("the table does not move in this record")
+        raise ValueError("no motion is left to judge: the table rests, or the force is clipped")
     while not rows.quiet:
         stride = math.ceil(_WIDER * stride)
         narrower = _at(runs, record, axis, stride)
@@ -277,13 +283,14 @@ def _at(
     highest = max(float(np.max(np.abs(way.v))) for way in ways)
     yielding, reach = _yielding(axis), max(2, int(_RINGING / (corner * step)))
     late, parts = _lateness(ways), list[Columns]()
-    for way in ways:
+    for run, way in zip(runs, ways, strict=True):
         # Where the table turns it may rest, behind a spring for long, in which friction is
         # anything, and the low pass brings it in from there.
         near = 4 * reach + 1 if yielding else 2 * reach + 1
         use = ~maximum_filter1d(np.abs(way.v) <= _SLOW * highest, near)
         if steady:
             use = np.any([(way.t >= p.begin) & (way.t <= p.end) for p in steady], axis=0)
+        use &= ~maximum_filter1d(run.clipped[3:-3], 2 * reach + 1)
         # At the ends of a run the low pass has other surroundings for each column.
         use[: 2 * reach] = use[-2 * reach :] = False
         a = way.a + yielding * np.gradient(np.gradient(way.a, step), step)
