@@ -139,7 +139,7 @@ static enum refusal change_settings(struct block *block, double time)
     const double age = block->started ? age_of(block) : before.age_start;
     const double x_dot = motion.x_dot;
     /* A slip of no length has not begun, so the rest test decides anew whether it does. */
-    const bool at_rest = arc.mode == 0 || (tau == 0.0 && x_dot == 0.0);
+    const bool at_rest = !LAW.whole && (arc.mode == 0 || (tau == 0.0 && x_dot == 0.0));
     enum refusal refused = adopt_settings(block, &before);
     if (refused != ACCEPTED) return refused;
     block->changed = false;

@@ -146,7 +146,7 @@ void medium_scales(const struct medium *it, struct system *system)
     const double length = whole / it->k, fast = fmax(fabs(it->v), whole / sqrt(it->m * it->k));
     system->scales[GROWTH] = (struct scale){length, 0.0, length};
     system->scales[VELOCITY] = (struct scale){SLOW * creep(it), SLOW, fast};
-    system->scales[BRISTLES] = (struct scale){bend, 0.0, bend};
+    system->scales[BRISTLES] = (struct scale){bend, 1.0, HUGE_VAL};
 }
 
 bool medium_reach(const void *whole, const double from[COLUMNS], const double to[COLUMNS])
