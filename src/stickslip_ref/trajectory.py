@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from typing import Literal
 
 import numpy as np
@@ -103,6 +104,12 @@ class Trajectory:
         All transitions, in order.
     cycles : tuple of MeasuredCycle
         All completed cycles, in order.
+    own : mapping of str to array
+        The friction law's own outputs by name: zeta [m] and E_bristles [J] of LuGre, theta [s] and
+        mu [-] of rate and state.
+
+    Without a stick (LuGre, rate and state) a maximum of the spring is the break-away, a minimum the
+    re-stick; the mode is 0 below v_stick.
     """
 
     t: Floats
@@ -130,6 +137,7 @@ class Trajectory:
     t_event: Floats
     events: tuple[Event, ...]
     cycles: tuple[MeasuredCycle, ...]
+    own: Mapping[str, Floats] = field(default_factory=dict)
 
     @property
     def sticking(self) -> NDArray[np.bool_]:

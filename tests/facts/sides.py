@@ -93,10 +93,9 @@ def _reference(setting: Setting) -> Sequence[Row]:
         own=own,
     )
     names = [name for name, value in vars(run).items() if len(value) == len(lengths)]
-    names = [name for name in names if name not in ("events", "cycles")]
-    return [
-        {name: getattr(run, name)[n] for name in (*names, "sticking")} for n in range(len(lengths))
-    ]
+    names = [name for name in names if name not in ("events", "cycles", "own")]
+    columns = {name: getattr(run, name) for name in (*names, "sticking")} | dict(run.own)
+    return [{name: column[n] for name, column in columns.items()} for n in range(len(lengths))]
 
 
 def _truth(setting: Setting, digits: int = 50) -> Sequence[Row]:

@@ -142,7 +142,6 @@ def test_a_law_without_a_stick_is_followed_whole(side: Side, error: float) -> No
         assert abs(row["x_dot"] - x_dot) <= 10 * error
         assert abs(row["F_friction"] + 20 * lagged) <= 10 * error
         assert row["mode"] == MP.sign(x_dot)
-        assert row["n_slips"] == row["t_event"] == 0
     assert {row["mode"] for row in found} == {-1, 1}
 
 
@@ -157,7 +156,7 @@ FINDERS: dict[str, Callable[[str], object]] = {
 @pytest.mark.parametrize(
     ("name", "words"),
     [
-        ("falling", "'falling' is no friction law: 'coulomb', 'stribeck', .*or .*module:NAME"),
+        ("falling", "'falling' is no friction law: 'coulomb', 'stribeck', .*module:NAME"),
         ("no_such_module:LAW", r"'no_such_module:LAW' was not found \(No module named"),
         ("math:LAW", r"'math:LAW' was not found \(module 'math' has no attribute 'LAW'\)"),
         ("math:pi", "'math:pi' has no attribute '{side}'"),

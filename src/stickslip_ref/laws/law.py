@@ -5,6 +5,7 @@ docs/theory.md (1), (4).
 
 from __future__ import annotations
 
+import math
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -15,6 +16,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..parameters import Bound, Parameters, checked
+
+Floats: TypeAlias = NDArray[np.float64]
 
 State: TypeAlias = tuple[float, ...]
 """Values of a law's own state variables, in the order and the units that the law chooses."""
@@ -64,11 +67,16 @@ class FrictionLaw(ABC):
     4. If it has state variables of its own (say the age of the contacts): their values at the
        start of a run, `state_start`; their sizes for the integration's tolerance, `state_scale`;
        their rates in slip, `rates`; and their values after a time at rest, `rested`.
-    5. Where the mass never sticks (LuGre, regularised laws): ``sticks = False``. Then
+    5. Where the mass never sticks (LuGre, rate and state): ``sticks = False``. Then
        `break_away_force` shows as the output F_s only, and `slip_friction` and `rates` take the
        signed velocity; `slip_friction` returns the signed friction, which opposes a motion along
-       +x where it is positive. The motion is integrated whole: there are no events, the meter
-       stays at its starts, and the mode of a sample is the sign of its velocity.
+       +x where it is positive. Both may have a corner at velocity 0. The motion is integrated
+       whole, and a maximum of the spring counts as break-away, a minimum as re-stick. The mode of
+       a sample is the sign of its velocity, 0 below an own parameter ``v_stick``. `resolution`
+       says down to which velocity it is followed, or `coordinate`, `velocity` and
+       `coordinate_rate` take something better in its place, such as its logarithm. `changed` is
+       the state after a change, `velocity_from` the velocity of a law without inertia, `stored`
+       the energy that is no heat yet, `shown` what the law shows of its state.
 
     A law may assume:
 
@@ -91,6 +99,9 @@ class FrictionLaw(ABC):
 
     sticks: bool = True
     """Whether the mass can stick."""
+
+    method: str = "Radau"
+    """SciPy's method for a law without a stick."""
 
     @abstractmethod
     def break_away_force(self, p: Parameters, age: float = 0.0, state: State = NO_STATE) -> float:
@@ -163,6 +174,58 @@ class FrictionLaw(ABC):
     def rested(self, p: Parameters, duration: float, state: State) -> State:
         """Return the own state after ``duration`` [s] at rest; unchanged by default."""
         return state
+
+    def changed(self, before: Parameters, p: Parameters, state: State) -> State:
+        """Return the own state after a change from ``before`` to ``p``; unchanged by default."""
+        return state
+
+    def velocity_from(self, p: Parameters, z: float, x_dot: float, state: State) -> float:
+        """Return with which velocity [m/s] the motion goes on from there; ``x_dot`` by default."""
+        return x_dot
+
+    def logarithmic(self, p: Parameters) -> bool:
+        """Return whether the `coordinate` is a logarithm, of a size of 1; not by default."""
+        return False
+
+    def resolution(self, p: Parameters) -> float:
+        """Return the velocity [m/s] that counts as none; rounding of the motion's by default."""
+        return 0.0
+
+    def longest_step(self, p: Parameters) -> float:
+        """Return how long a step of the integration may be [s]; as long as it likes by default."""
+        return math.inf
+
+    def coordinate(self, p: Parameters, x_dot: float, state: State) -> float:
+        """Return what is integrated in place of the velocity, with its sign; it by default."""
+        return x_dot
+
+    def velocity(self, p: Parameters, coordinate: float, state: State) -> float:
+        """Return the velocity [m/s] from its `coordinate`."""
+        return coordinate
+
+    def coordinate_rate(
+        self, p: Parameters, x_ddot: float, x_dot: float, coordinate: float, state: State
+    ) -> float:
+        """Return the rate of the `coordinate` from the acceleration [m/s2] and the velocity."""
+        return x_ddot
+
+    def jacobian(
+        self, p: Parameters, force: float, coordinate: float, state: State
+    ) -> Floats | None:
+        """Return the exact derivatives of velocity, `coordinate_rate` and `rates`.
+
+        A row each, by the ``force`` k z + F_ext [N], the coordinate and the state; None, if they
+        are not known.
+        """
+        return None
+
+    def stored(self, p: Parameters, state: Floats) -> Floats:
+        """Return the energy [J] that the own state holds, (variables, n) given; none by default."""
+        return np.zeros(state.shape[1:])
+
+    def shown(self, p: Parameters, x_dot: Floats, state: Floats) -> dict[str, Floats]:
+        """Return the law's own outputs by name, at velocities (n,), states (variables, n); none."""
+        return {}
 
     def complete(self, p: Parameters, own: Mapping[str, float]) -> Parameters:
         """Return ``p`` with a value for each own parameter, its start where ``own`` has none.

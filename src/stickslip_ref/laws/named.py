@@ -7,9 +7,16 @@ from typing import Any
 
 from .coulomb import COULOMB
 from .law import FrictionLaw
+from .lugre import LUGRE
+from .rate_state import RATE_STATE
 from .stribeck import STRIBECK
 
-BUILT_IN = {"coulomb": COULOMB, "stribeck": STRIBECK}
+BUILT_IN: dict[str, FrictionLaw] = {
+    "coulomb": COULOMB,
+    "stribeck": STRIBECK,
+    "lugre": LUGRE,
+    "rate_state": RATE_STATE,
+}
 """The laws that come along, by name; any other name is a dotted one."""
 
 _EXAMPLE = "'my_laws.stribeck:STRIBECK'"
@@ -21,8 +28,8 @@ def friction_law(name: str) -> FrictionLaw:
     Parameters
     ----------
     name : str
-        ``"coulomb"``, ``"stribeck"``, or ``"module:NAME"``: an object whose attribute
-        ``reference`` is in turn the dotted name of a `FrictionLaw`.
+        ``"coulomb"``, ``"stribeck"``, ``"lugre"``, ``"rate_state"``, or ``"module:NAME"``: an
+        object whose attribute ``reference`` is in turn the dotted name of a `FrictionLaw`.
 
     Raises
     ------

@@ -99,7 +99,10 @@ class Motion:
         self.x, self.z, self.x_dot = float(p.x_start), float(p.z_start), float(p.x_dot_start)
         self.state = law.state_start(p)
         self._age_before = law.age_start(p)
-        self.mode = int(np.sign(self.x_dot))
+        self.x_dot = law.velocity_from(p, self.z, self.x_dot, self.state)
+        # Without a stick, 1 while the mass is ahead of the pull and the spring falls, else 0.
+        self.mode = int(np.sign(self.x_dot)) if law.sticks else int(self._ahead)
+        self._settled = False
         self.account = Account()
         self.phases: list[Phase] = []
         self.events: list[Event] = []
@@ -114,9 +117,14 @@ class Motion:
         """Let new inputs and parameters act from now on. A change of k keeps z."""
         work = 0.5 * (float(p.k) - float(self.p.k)) * self.z * self.z
         self.account = replace(self.account, W_k=self.account.W_k + work)
-        self.p = p
+        before, self.p = self.p, p
         self._net_force = None
         if not self.law.sticks:
+            self.state = self.law.changed(before, p, self.state)
+            self.x_dot = self.law.velocity_from(p, self.z, self.x_dot, self.state)
+            self._settled = False
+            if self._ahead != bool(self.mode):
+                self._turn()
             return
         if self.mode == 0:
             self._test_rest()
@@ -157,8 +165,7 @@ class Motion:
     def _move(self, left: float) -> tuple[float, Sampling, Callable[[], None] | None]:
         """Return the next arc: its duration, motion, and the event that ends it if one does."""
         if not self.law.sticks:
-            z, x_dot, state = self.z, self.x_dot, self.state
-            return left, integrate_whole(self.p, self.law, z, x_dot, state, left), None
+            return self._whole(left)
         return self._slip(left) if self.mode else self._stick(left)
 
     def _stick(self, left: float) -> tuple[float, Sampling, Callable[[], None] | None]:
@@ -196,6 +203,46 @@ class Motion:
         if slip.grazes:
             return slip.duration, slip.sample, self._graze
         return slip.duration, slip.sample, partial(self._stop_slip, slip.uncertainty)
+
+    def _whole(self, left: float) -> tuple[float, Sampling, Callable[[], None] | None]:
+        """Follow a law without a stick to an extreme of the spring, or for the time left."""
+        falls, was_settled = bool(self.mode), self._settled
+        phase = integrate_whole(
+            self.p,
+            self.law,
+            self.z,
+            self.x_dot,
+            self.state,
+            falls,
+            was_settled,
+            left,
+            self.rtol,
+        )
+        self._settled = phase.settled
+        peak = max(self._open.x_dot_peak, phase.x_dot_peak, key=lambda u: self._pulls * u)
+        self._open.x_dot_peak = peak
+        if not phase.ended:
+            return phase.duration, phase.sample, None
+        return phase.duration, phase.sample, self._leave if was_settled else self._pass_pull
+
+    def _pass_pull(self) -> None:
+        """Pass an extreme of the spring, where the mass is as fast as the pull."""
+        self.x_dot = float(self.p.v)
+        self._turn()
+
+    def _turn(self) -> None:
+        """End the phase under way."""
+        if self.mode:
+            self._transit("re-stick", 0)
+        else:
+            self._transit("break-away", 1)
+        self._open.x_dot_peak = self.x_dot
+
+    def _leave(self) -> None:
+        """Leave steady sliding: extremes of the spring count again."""
+        self._settled = False
+        if self._ahead != bool(self.mode):
+            self._turn()
 
     def _advance(self, duration: float, end: float, sample: Sampling) -> None:
         """Take over the state at the end of an arc. In stick, x keeps every bit."""
@@ -262,7 +309,8 @@ class Motion:
         """Close the phase under way and begin the next."""
         time = self.start_time + self.now
         self.phases.append(Phase(kind, time, **asdict(self._open)))
-        self.events.append(Event(time, kind, mode, self.x, self.z))
+        shown = mode if self.law.sticks else shown_mode(self.p, np.array(self.x_dot))
+        self.events.append(Event(time, kind, int(shown), self.x, self.z))
         self._open = _Open()
         self._age_before = 0.0
         self.mode = mode
@@ -281,6 +329,16 @@ class Motion:
     def _beyond(self, uncertainty: float = 0.0) -> bool:
         k = float(self.p.k)
         return breaks_away(k * self.z, float(self.p.F_ext), self._hold, k * uncertainty)
+
+    @property
+    def _pulls(self) -> int:
+        """Direction of the pull; +1 at rest."""
+        return -1 if float(self.p.v) < 0.0 else 1
+
+    @property
+    def _ahead(self) -> bool:
+        """Whether the mass is ahead of the pull, so that the spring falls."""
+        return self._pulls * (self.x_dot - float(self.p.v)) > 0.0
 
     def _along(self, x_dot: float) -> float:
         return self.mode * x_dot
@@ -329,6 +387,11 @@ class Motion:
         if low <= wait and lacking(wait) <= 0.0:
             return wait
         return float(brentq(lacking, low, left, xtol=1e-300, rtol=4.0 * np.finfo(float).eps))
+
+
+def shown_mode(p: Parameters, x_dot: Floats) -> Floats:
+    """Return the mode at a velocity [m/s] of a law without a stick: its sign, 0 below v_stick."""
+    return np.where(np.abs(x_dot) < p.own.get("v_stick", 0.0), 0.0, np.sign(x_dot))
 
 
 def breaks_away(spring_force: float, F_ext: float, F_s: float, uncertainty: float = 0.0) -> bool:

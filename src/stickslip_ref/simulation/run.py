@@ -92,7 +92,7 @@ def simulate(
     _check_run(p, start_time, stop_time, rtol)
     law = friction_law(law) if isinstance(law, str) else law
     parts = segments(law.complete(p, own or {}), changes, start_time, stop_time, law)
-    sampler = Sampler(law, start_time, stop_time, times)
+    sampler = Sampler(parts[0].p, law, start_time, stop_time, times)
     motion = Motion(parts[0].p, law, start_time, rtol, max_events)
     for number, part in enumerate(parts):
         if number:
@@ -127,6 +127,7 @@ def _trajectory(motion: Motion, sampler: Sampler, start_time: float) -> Trajecto
     elapsed = columns.pop("elapsed")
     which = columns.pop("n_events").astype(np.int64)
     mode = columns.pop("mode").astype(np.int64)
+    own = {name: columns.pop(name) for name in sampler.own}
     shown = readings(motion.phases, start_time)
     meter = {name: _column(shown, name)[which] for name in _METER}
     n_slips = np.array([reading.n_slips for reading in shown], dtype=np.int64)[which]
@@ -136,6 +137,7 @@ def _trajectory(motion: Motion, sampler: Sampler, start_time: float) -> Trajecto
         n_slips=n_slips,
         events=tuple(motion.events),
         cycles=measured_cycles(motion.phases, shown),
+        own=own,
         **columns,
         **meter,
     )

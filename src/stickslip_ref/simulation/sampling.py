@@ -8,7 +8,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..laws import FrictionLaw
-from .motion import Arc
+from ..parameters import Parameters
+from .motion import Arc, shown_mode
 from .slip import Samples
 
 Floats = NDArray[np.float64]
@@ -30,6 +31,8 @@ class Sampler:
 
     Parameters
     ----------
+    p : Parameters
+        At the start of the run.
     law : FrictionLaw
         The friction law, for the force it exerts.
     start_time, stop_time : float
@@ -44,9 +47,16 @@ class Sampler:
     """
 
     def __init__(
-        self, law: FrictionLaw, start_time: float, stop_time: float, times: ArrayLike | None
+        self,
+        p: Parameters,
+        law: FrictionLaw,
+        start_time: float,
+        stop_time: float,
+        times: ArrayLike | None,
     ) -> None:
         self._law = law
+        self.own = tuple(law.shown(p, np.empty(0), np.empty((len(law.state_start(p)), 0))))
+        """Names of the law's own outputs."""
         self._given = times is not None
         if times is None:
             wanted = np.linspace(0.0, stop_time - start_time, RUN_INTERVALS + 1)
@@ -77,8 +87,9 @@ class Sampler:
 
     def columns(self) -> dict[str, Floats]:
         """Return what was sampled, by name."""
-        table = np.concatenate([np.empty((len(COLUMNS), 0)), *self._tables], axis=1)
-        return dict(zip(COLUMNS, table, strict=True))
+        names = (*COLUMNS, *self.own)
+        table = np.concatenate([np.empty((len(names), 0)), *self._tables], axis=1)
+        return dict(zip(names, table, strict=True))
 
     def _refined(self, elapsed: Floats, arc: Arc) -> Floats:
         own = np.linspace(arc.begin, arc.end, (SLIP_INTERVALS if arc.mode else 1) + 1)
@@ -104,13 +115,14 @@ class Sampler:
         rows = (
             *(elapsed, x, motion.x_dot, x + z, z, k * z, friction),
             self._hold(arc, local, motion),
-            np.sign(motion.x_dot) if arc.mode is None else arc.mode,
+            shown_mode(p, motion.x_dot) if arc.mode is None else arc.mode,
             self._law.mu_k_used(p),
             account.W_pull + k * v * motion.integral_z,
             account.W_k,
             account.W_ext + F_ext * step,
             account.Q_friction + motion.heat,
             arc.n_events,
+            *self._law.shown(p, motion.x_dot, motion.state).values(),
         )
         return np.stack([np.broadcast_to(np.asarray(row, float), elapsed.shape) for row in rows])
 
