@@ -56,13 +56,18 @@ def cache_folder() -> Path:
     return Path(os.devnull) / "stickslip"
 
 
+def this_machine() -> bool:
+    """Return whether `cc` compiles for this machine, and not Zig; raises CompilerError if none."""
+    return not _compiler().is_zig
+
+
 def _compiler() -> Compiler:
     """Return a compiler for this machine; raises CompilerError with the remedy if there is none."""
     if current() is None:
         return compiler_for(this_machine=True)
-    for this_machine in (True, False):
+    for own in (True, False):
         with contextlib.suppress(CompilerError):
-            return compiler_for(this_machine)
+            return compiler_for(own)
     raise CompilerError(
         "the native core needs a C compiler: install gcc or clang as the program cc, or "
         "pip install 'stickslip[native]'"

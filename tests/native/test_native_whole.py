@@ -2,13 +2,16 @@
 
 import math
 import random
+from dataclasses import fields
 from functools import cache
 from itertools import pairwise
 from pathlib import Path
 from tempfile import mkdtemp
 
+import numpy as np
 import pytest
 
+import stickslip_ref
 from stickslip_fmu.laws.named import friction_law
 from stickslip_fmu.laws.native_only import NativeOnly
 from stickslip_fmu.packer import build
@@ -159,6 +162,35 @@ def test_a_velocity_step_shows_both_effects(evolution: float) -> None:
     peak = max(run.advance(1e-3)["mu"] for _ in range(2000))
     assert peak == pytest.approx(0.6 + 0.01 * math.log(10.0), abs=2e-4)
     assert run.advance(200.0)["mu"] == pytest.approx(0.6 - 0.005 * math.log(10.0), abs=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("law", "given", "length"),
+    [
+        *CASES[:2],
+        ("rate_state", {"evolution": 2.0, "v": 0.002, "b": 0.0125}, 2.0),
+        ("lugre", {"mu_s": 0.4, "delta": 1.0, "v_d": 0.02, "c": 3.0, "v": -0.02}, 2.0),
+    ],
+)
+def test_the_reference_has_the_same_cycles(
+    law: str, given: dict[str, float], length: float
+) -> None:
+    run = Run(law, given)
+    now = run.advance(length)
+    its = stickslip_ref.friction_law(law)
+    shared = {each.name for each in fields(stickslip_ref.Parameters)}
+    trajectory = stickslip_ref.simulate(
+        stickslip_ref.Parameters(**{n: x for n, x in run.values.items() if n in shared}),
+        length,
+        law=its,
+        own={name: run.values[name] for name in its.parameters},
+    )
+    assert now["n_slips"] > 2
+    for name in ("T", "t_stick", "t_slip", "delta_x", "spring_drop", "x_dot_peak", "t_event"):
+        assert now[name] == pytest.approx(getattr(trajectory, name)[-1], rel=1e-8), name
+    for name in ("z", "x", "W_pull", "Q_friction"):
+        scale = np.abs(getattr(trajectory, name)).max()
+        assert abs(now[name] - getattr(trajectory, name)[-1]) < 1e-8 * scale, name
 
 
 def test_stiff_bristles_are_stribecks_curve() -> None:

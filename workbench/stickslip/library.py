@@ -142,7 +142,7 @@ def simulate(
     ParameterError
         If an argument cannot be taken, or the run would have too many slips.
     FmuError, RuntimeError
-        If the engine fails.
+        If the engine fails, or a law that is native alone finds no C compiler.
     """
     what = experiment(p or Parameters(), start_time, stop_time, output_interval, drawn=drawn)
     check_slips(what, most_slips or _MOST_SLIPS[engine == "reference"])
@@ -154,12 +154,24 @@ def simulate(
             raise ParameterError("engine", f" {engine!r} {reason}")
         run = simulate_fmu(what, Path(engine), progress)
     else:
+        with tempfile.TemporaryDirectory(prefix="stickslip-") as folder:
+            run = simulate_fmu(what, _bare_fmu(Path(folder), what.parameters.law), progress)
+    return Run(**{each.name: getattr(run, each.name) for each in fields(run)})
+
+
+def _bare_fmu(folder: Path, law: str) -> Path:
+    """Return the FMU of a law without its documentation, which takes nine tenths of the time."""
+    from stickslip_fmu.laws.named import friction_law
+    from stickslip_fmu.laws.native_only import NativeOnly
+
+    if not isinstance(friction_law(law).law, NativeOnly):
         from stickslip_fmu.packer import build as packed
 
-        with tempfile.TemporaryDirectory(prefix="stickslip-") as folder:
-            # Without its documentation, which takes nine tenths of the time.
-            run = simulate_fmu(what, packed(Path(folder), law=what.parameters.law), progress)
-    return Run(**{each.name: getattr(run, each.name) for each in fields(run)})
+        return packed(folder, law=law)
+    from stickslip_native.library import this_machine
+    from stickslip_native.packer import build as compiled
+
+    return compiled(folder, law=law, this_machine=this_machine())
 
 
 @dataclass(frozen=True, repr=False)

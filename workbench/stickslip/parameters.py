@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any, Final
 from fmi.model import ModelError
 from stickslip_fmu.interface import FIRST_OWN, table_of
 from stickslip_fmu.laws.named import COULOMB_NAME, friction_law
+from stickslip_fmu.laws.native_only import NativeOnly
 from stickslip_fmu.spec import TABLE, spec_of
 from stickslip_units import QuantityError, typed
 
@@ -150,7 +151,8 @@ class Parameters:
             raise ParameterError("curve", f" goes with law {CURVE_LAW}, not with law {self.law}")
         fields["law"] = self.law or (COULOMB_NAME if self.curve is None else CURVE_LAW)
         try:
-            spec = spec_of(friction_law(self.law).law)
+            law = friction_law(self.law).law
+            spec = spec_of(law)
         except ValueError as error:
             raise ParameterError("law", f": {error}") from error
         fields["given"] = given = {
@@ -164,7 +166,8 @@ class Parameters:
             own["mu_s"] = fields["mu_s"] = _Start(own["mu_1"])
         fields["values"] = values = {**spec.table.start_values(), **given, **own}
         try:
-            spec.model(spec.values(values))
+            if not isinstance(law, NativeOnly):
+                spec.model(spec.values(values))
         except ModelError as error:
             # What does not go together.
             name, _, reason = str(error).partition(" ")
@@ -177,6 +180,11 @@ class Parameters:
     def table(self) -> Table:
         """The variable table of the block under the friction law."""
         return table_of(friction_law(self.law).law.interface)
+
+    @property
+    def sticks(self) -> bool:
+        """Whether the friction law has a stick; else `sticking` and `mode` are for display."""
+        return not isinstance(friction_law(self.law).law, NativeOnly)
 
     def __repr__(self) -> str:
         shown = [f"{name}={self._shown(name, value)}" for name, value in self.given.items()]

@@ -229,7 +229,7 @@ def simulate_reference(what: Experiment) -> Run:
         for event in trajectory.events
     )
     columns = {output.name: getattr(trajectory, output.name) for output in _outputs(TABLE)}
-    samples = _samples(columns, times)
+    samples = _samples(columns, times, TABLE)
     notes = tuple(str(warning.message) for warning in caught)
     return Run("reference", what.parameters, samples, events, notes=notes)
 
@@ -244,9 +244,11 @@ def _outputs(table: Table) -> list[Variable]:
     ]
 
 
-def _samples(columns: Mapping[str, Any], times: np.ndarray[Any, Any]) -> np.ndarray[Any, Any]:
+def _samples(
+    columns: Mapping[str, Any], times: np.ndarray[Any, Any], table: Table
+) -> np.ndarray[Any, Any]:
     """Return samples as fmpy gives them: a structured array of the time and every output."""
-    types = {o.name: _COLUMN_TYPES[o.kind] for o in _outputs(TABLE) if o.name in columns}
+    types = {o.name: _COLUMN_TYPES[o.kind] for o in _outputs(table) if o.name in columns}
     samples = np.empty(len(times), dtype=[("time", np.float64), *types.items()])
     samples["time"] = times
     for name in types:
@@ -263,10 +265,13 @@ def simulate_fmu(what: Experiment, fmu: Path, progress: Progress) -> Run:
     table, values = what.parameters.table, what.parameters.values
     times = sample_times(what.start_time, what.stop_time, what.output_interval)
     file = _opened(fmu, table)
-    its = [row for row in table.rows if row.settable and row.name not in truth.START_VALUES]
+    its = [row for row in table.rows if row.name not in (*truth.START_VALUES, *TABLE.by_name)]
     file.look_for(
-        truth.Parameter(row.name, row.unit, values[row.name], truth.Kind.TUNABLE) for row in its
+        truth.Parameter(row.name, row.unit, values.get(row.name, 0.0), truth.Kind.TUNABLE)
+        for row in its
     )
+    own = [row.name for row in its if not row.settable]
+    its = [row for row in its if row.settable]
     lacking = [row.name for row in its if not file.has(row.name) and values[row.name] != row.start]
     if lacking:
         raise ParameterError(
@@ -288,7 +293,7 @@ def simulate_fmu(what: Experiment, fmu: Path, progress: Progress) -> Run:
             return interrupted()
 
         try:
-            run = drive.run(file, setting, after_step)
+            run = drive.run(file, setting, after_step, own)
         except drive.FmuError as error:
             # The last line that the FMU wrote is its own; its wrapper dresses it up in the log.
             own = [line for line in said.getvalue().split("\n") if line.strip()]
@@ -296,8 +301,9 @@ def simulate_fmu(what: Experiment, fmu: Path, progress: Progress) -> Run:
         finally:
             file.close()
     columns = {name: np.append(run.initial[name], run.outputs[name]) for name in run.outputs}
-    samples = _samples(columns, times[: len(run.times) + 1])
-    events, hidden = events_between(samples, what.parameters.v)
+    samples = _samples(columns, times[: len(run.times) + 1], table)
+    plain = what.parameters.sticks
+    events, hidden = events_between(samples, what.parameters.v) if plain else ((), 0)
     notes = tuple(" ".join(text.split()) for text in run.messages)
     return Run("fmu", what.parameters, samples, events, hidden, notes)
 

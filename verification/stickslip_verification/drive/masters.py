@@ -455,10 +455,17 @@ def run_case(fmu: FmuFile, case: Case, manner: str | None = None) -> Run:
     return (MANNERS[manner] if manner else Way())(fmu, case)
 
 
-def run(fmu: FmuFile, setting: Setting, after_step: AfterStep | None = None) -> Run:
+def run(
+    fmu: FmuFile,
+    setting: Setting,
+    after_step: AfterStep | None = None,
+    own: Iterable[str] = (),
+) -> Run:
     """Drive a fresh instance of an FMU through a setting; `FmuError` if it refuses a call.
 
-    An output that the FMU lacks is absent from the run. `after_step` shows progress, and may end
-    the run early.
+    An output that the FMU lacks is absent from the run; ``own`` are those of its friction law.
+    `after_step` shows progress, and may end the run early.
     """
-    return Master(fmu, setting).run(after_step)
+    master = Master(fmu, setting)
+    master.names = [*master.names, *available(fmu, own)]
+    return master.run(after_step)

@@ -78,8 +78,9 @@ class Quantity(Written):
 
     ``equation`` is the number in docs/theory.md of what the exact motion takes it from. ``type``
     and ``variability`` are those of an output in FMI 2.0; a case can name the outputs of a
-    ``group`` together. A ``directed`` one changes its sign in the mirror image of a run. ``means``
-    and ``look`` are what `suite.cases.Meaning` says.
+    ``group`` together. A ``directed`` one changes its sign in the mirror image of a run; an ``own``
+    one is an output of some friction laws alone. ``means`` and ``look`` are what
+    `suite.cases.Meaning` says.
     """
 
     name: Text
@@ -95,6 +96,7 @@ class Quantity(Written):
     variability: Literal["continuous", "discrete"] = "continuous"
     group: str = ""
     directed: bool = False
+    own: bool = False
 
     @property
     def discrete(self) -> bool:
@@ -130,7 +132,7 @@ _TABLES: _Tables = DataFile(Path(__file__).with_suffix(".toml"), DataError).read
 FORMULAS: dict[str, Formula] = {each.name: each for each in _TABLES.formulas}
 """What a check can name as ``formula``."""
 QUANTITIES: dict[str, Quantity] = {each.name: each for each in _TABLES.quantities}
-OUTPUTS = tuple(each for each in _TABLES.quantities if not each.needs)
+OUTPUTS = tuple(each for each in _TABLES.quantities if not (each.needs or each.own))
 OUTPUT_NAMES: tuple[str, ...] = tuple(each.name for each in OUTPUTS)
 GROUPS: Mapping[str, tuple[str, ...]] = {
     group: tuple(each.name for each in OUTPUTS if each.group == group)

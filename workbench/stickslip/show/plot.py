@@ -99,7 +99,15 @@ def curve(run: Run) -> Curve:
 
 
 def stick_phases(run: Run) -> list[tuple[float, float]]:
-    """Return beginning and end [s] of every stick that the events of the run show."""
+    """Return beginning and end [s] of every stick that the events of the run show.
+
+    Where the law has none those of samples that show one.
+    """
+    if not run.parameters.sticks:
+        shown = np.concatenate(([False], run.samples["sticking"], [False]))
+        edges = np.flatnonzero(np.diff(shown.astype(int)))
+        times = run.samples["time"][np.minimum(edges, len(run.samples) - 1)].tolist()
+        return list(zip(times[::2], times[1::2], strict=True))
     begin = float(run.samples["time"][0]) if run.samples["mode"][0] == 0 else None
     phases = []
     for event in run.events:
@@ -302,9 +310,10 @@ def _title(run: Run) -> str:
         f"$m$ = {_signed(p.m)} kg",
         f"$k$ = {_signed(p.k / stiffness.size)} {stiffness.symbol}",
         f"$v$ = {_signed(p.v / speed.size)} {speed.symbol}",
-        f"$\\mu_s$ = {_signed(p.mu_s)}",
-        f"$\\mu_k$ = {_signed(float(run.last['mu_k_used']))}",
     ]
+    if "mu_k_used" in (run.samples.dtype.names or ()):
+        words += [f"$\\mu_s$ = {_signed(p.mu_s)}"]
+        words += [f"$\\mu_k$ = {_signed(float(run.last['mu_k_used']))}"]
     words += [f"$c$ = {_signed(p.c)} N·s/m"] if p.c else []
     words += [f"load = {_signed(p.load)} N"] if p.load else []
     words += [f"$F_\\mathrm{{ext}}$ = {_signed(p.F_ext)} N"] if p.F_ext else []
