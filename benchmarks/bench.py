@@ -25,7 +25,7 @@ import numpy as np
 from rich.console import Console
 from rich.table import Table
 
-from benchmarks import settings
+from benchmarks import memory, settings
 from benchmarks.calls import bare, in_c
 from benchmarks.chunks import measure_chunks
 from benchmarks.empty_slave import build_empty_slave
@@ -211,6 +211,13 @@ def _step_in_slip(law: str, *, changing: bool) -> float:
     return statistics.median(times)
 
 
+def of_memory(folder: Path) -> Iterator[Row]:
+    """Time cycles under laws with a memory, which are integrated."""
+    for what, unit, times, against, limit in memory.measured(folder):
+        at_most = 5e-6 if len(times) == 1 else None
+        yield Row(what, unit, times, against, limit, at_most)
+
+
 def of_axis(folder: Path) -> Iterator[Row]:
     """Time the verdict on a feed axis with its drive, from the limit to the report, and a map."""
     file = axis_file_of(example())
@@ -388,7 +395,7 @@ def measure() -> Iterator[Row]:
     """Measure everything."""
     with tempfile.TemporaryDirectory(prefix="stickslip-bench-") as name:
         folder = Path(name)
-        reading = (of_score, of_records)
+        reading = (of_memory, of_score, of_records)
         for part in (of_python_fmu, of_native_fmu, of_axis, of_studies, *reading, of_page):
             yield from part(folder)
         for other in (of_native_batches, of_stribeck, of_block, of_fields):
