@@ -67,12 +67,12 @@ def told(values: dict[str, float], part: float = 0.02, **changes: Any) -> Identi
             )
             for name, value in values.items()
         ),
-        "untold": (("the stiffness", "the motion is too slow"),),
+        "missing": (("the stiffness", "the motion is too slow"),),
         "residual": Residual(rms=1.0, unit="N", memory=0.0),
         "traces": (Trace(name="position", unit="m", t=t, measured=off, fitted=way),) * 2,
         "segments": ((0.0, 10.0, "forward"), (10.0, 20.0, "back")),
         "curve": Curve(speed=speed, force=force, band=0.1 * force**2, law="two", fitted=force),
-        "following": "Measure at 1 mm/min.",
+        "next_measurement": "Measure at 1 mm/min.",
         **changes,
     })  # fmt: skip
 
@@ -181,7 +181,7 @@ def test_what_is_not_identified_goes_in_as_its_range_or_not_at_all(
 ) -> None:
     found = told({name: 500.0})
     wide = replace(found.numbers[0], low=ends[0], high=ends[1])
-    assert not wide.known
+    assert not wide.identified
     text = written(replace(found, numbers=(wide,)), FILE, "run.csv")
     value = value_of(text, name)
     assert (value.value, value.spread) == pytest.approx(stated)

@@ -70,7 +70,7 @@ def test_steady_runs_tell_friction_over_the_speed_and_no_mass() -> None:
     assert found.curve is not None
     assert "falls" in found.curve.law
     assert contains(found, {"friction.F_k": 90.0, "axis.c": 800.0, "axis.force_along": 0.0})
-    assert "axis.mass" in dict(found.untold)
+    assert "axis.mass" in dict(found.missing)
 
 
 def test_motion_in_one_direction_tells_no_constant_force() -> None:
@@ -78,7 +78,7 @@ def test_motion_in_one_direction_tells_no_constant_force() -> None:
     force = 80.0 * A + 300.0 * way + 25.0 + 7.0 + NOISE
     found = identify(Record(t=T, position=X + 0.2 * T, force=force))
     assert contains(found, {"axis.mass": 80.0, "axis.c": 300.0, "friction.F_k": 32.0})
-    assert "axis.force_along" in dict(found.untold)
+    assert "axis.force_along" in dict(found.missing)
 
 
 def test_a_force_that_is_clipped_tells_nothing_where_it_is() -> None:

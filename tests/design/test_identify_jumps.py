@@ -81,7 +81,7 @@ def test_each_column_tells_its_own(column: str) -> None:
 def test_without_a_load_up_the_position_tells_only_a_difference() -> None:
     later = replace(noisy(pulled(begin=3.0), 2), force=None)
     found = stick_slip(later)
-    assert {name for name, _ in found.untold} == {"friction.mu_s", "friction.mu_k"}
+    assert {name for name, _ in found.missing} == {"friction.mu_s", "friction.mu_k"}
 
 
 def test_units_scale_the_numbers() -> None:
@@ -106,7 +106,7 @@ def test_a_drifting_zero_leaves_the_difference_of_forces() -> None:
     assert record.force is not None
     drift = 0.3 * np.ptp(record.force) * np.linspace(0.0, 1.0, record.t.size)
     found = stick_slip(replace(record, force=record.force + drift))
-    assert {"friction.F_s", "friction.F_k"} == {name for name, _ in found.untold}
+    assert {"friction.F_s", "friction.F_k"} == {name for name, _ in found.missing}
     n = found.number("F_s - F_k")
     assert n.low <= TRUTH["F_s - F_k"] <= n.high
 

@@ -31,7 +31,7 @@ class Identification(Shown):
     file: AxisFile | None = None
 
     def __repr__(self) -> str:
-        known = ", ".join(each.name for each in self.found.numbers if each.known) or "nothing"
+        known = ", ".join(each.name for each in self.found.numbers if each.identified) or "nothing"
         return f"<Identification of {self.source}, {self.found.kind}: {known}>"
 
     @cached_property

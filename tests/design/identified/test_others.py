@@ -22,7 +22,8 @@ def test_no_number_of_a_record_of_others_is_wrong_and_called_known() -> None:
             # Twice its interval, 4 standard deviations: of 40 records no number is there by chance.
             wrong += [
                 (kind, name, q.name, q.low, TRUTH[q.name], q.high) for q in result.numbers
-                if q.known and q.name in TRUTH and abs(TRUTH[q.name] - q.value) > q.high - q.low
+                if q.identified
+                and q.name in TRUTH and abs(TRUTH[q.name] - q.value) > q.high - q.low
             ]  # fmt: skip
     assert len(records) == 40
     assert not wrong
@@ -36,7 +37,7 @@ def test_steady_runs_tell_viscous_friction_beside_friction_that_falls(name: str)
     assert "falls" in result.curve.law
     for number in map(result.number, ("axis.c", "friction.F_k")):
         assert number.low <= TRUTH[number.name] <= number.high
-        assert number.known
+        assert number.identified
 
 
 @one_thread
@@ -54,9 +55,9 @@ def test_a_twin_of_a_real_record_tells_its_numbers_and_that_its_directions_diffe
     truth = {"axis.mass": 95.1, "friction.F_k": 20.4, "c forward": 167.0, "c backward": 241.0}
     for name, value in truth.items():
         assert result.number(name).low <= value <= result.number(name).high, name
-        assert result.number(name).known
+        assert result.number(name).identified
     assert result.number("c forward").high < result.number("c backward").low
     assert result.number("axis.force_along").low <= 0.2 <= result.number("axis.force_along").high
     assert any("direction" in note for note in result.notes)
     assert result.residual.memory > 0.0
-    assert "friction.F_s" in dict(result.untold)
+    assert "friction.F_s" in dict(result.missing)

@@ -417,8 +417,8 @@ def identified_summary(found: Identified, source: str, then: str) -> RenderableT
 
     numbers = report.numbers(found)
     rows = [(f"{name}\n  {meaning}", "", *row) for name, meaning, *row in numbers.rows]
-    said = [f"cannot tell {what}: {why}" for what, why in found.untold]
-    next_one = [f"measure next: {found.following}"] if found.following else []
+    said = [f"cannot tell {what}: {why}" for what, why in found.missing]
+    next_one = [f"measure next: {found.next_measurement}"] if found.next_measurement else []
     return Group(
         Text.assemble(f"{source}: ", (found.kind, "bold"), f", as {found.reason}"),
         of_grid(numbers._replace(rows=rows).of(0, 2, 3, 4, 5)),

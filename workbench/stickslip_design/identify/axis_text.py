@@ -66,14 +66,14 @@ def written(found: Identified, file: AxisFile | None, source: str) -> str:
     for path, number in numbers.items():
         key = KEYS.get(path)
         if key and (quantity := _quantity(key, number)):
-            note = "95 %" if number.known else "not identified: a range"
+            note = "95 %" if number.identified else "not identified: a range"
             new[path] = f'{key.name} = "{quantity}"  # {source}, {note}'
         elif key:
             said.append(f"{path} is not stated: it is not in the range of the key")
     static, kinetic = _frictions(file)
     if file and static in file.values and kinetic in new and static not in new:
         said.append(f"static friction is not in this record: {static} of the file is held")
-    said += [f"this record cannot tell {what}: {why}" for what, why in found.untold]
+    said += [f"this record cannot tell {what}: {why}" for what, why in found.missing]
     missing = () if file else (KEYS[path] for path in _RIGID if path not in new)
     said += [f"missing: {key.path}, such as {key.name} = {key.example}" for key in missing]
     lines = _edited(_lines(file) if file else ["[axis]", "", "[friction]"], new)
@@ -147,7 +147,7 @@ def _for_file(numbers: Mapping[str, Number], file: AxisFile) -> dict[str, Number
     if "friction.curve" in file.values:
         told = {name: each for name, each in told.items() if not name.startswith("friction")}
     part, of_weight = axis.spread.get("axis.mass", 0.0) / axis.m, 0.0
-    if (mass := told.get("axis.mass")) and mass.known and mass.value > 0.0:
+    if (mass := told.get("axis.mass")) and mass.identified and mass.value > 0.0:
         axis, part = with_number(axis, "axis.mass", mass.value), mass.width
         of_weight = part * axis.m * axis.g / axis.normal_force
 
@@ -178,7 +178,7 @@ def _quantity(key: Key, number: Number) -> str:
     """Return a number, or the range of an unknown one, as a file has it; empty: too wide for it."""
     low, high = max(number.low, 0.0) if key.within is LEAST else number.low, number.high
     middle, half = 0.5 * (low + high), 0.5 * (high - low)
-    if number.known:
+    if number.identified:
         middle, half = number.value, max(high - number.value, number.value - low)
     inside = low in key.within and high in key.within
     if not inside or (key.within is ABOVE and low < _LOW * middle):

@@ -200,12 +200,12 @@ def driven(record: Record, axis: Axis | None) -> Identified:
             f"In {100.0 * part:.2g} % of the samples the force is clipped: they tell nothing."
         )
     shown = slice(None, None, max(1, moved["t"].size // _MOST))
-    untold = [("friction.F_s", "a table that does not stick and slip tells no static friction")]
+    missing = [("friction.F_s", "a table that does not stick and slip tells no static friction")]
     if rows.steady:
-        untold.append(("axis.mass", "the table is not accelerated in steady runs"))
+        missing.append(("axis.mass", "the table is not accelerated in steady runs"))
     if "offset" not in best.names:
         why = "motion in one direction does not tell it from friction"
-        untold.append(("axis.force_along", why))
+        missing.append(("axis.force_along", why))
     parts = [(run.begin, run.end, f"{run.speed * 6e4:.4g} mm/min") for run in steady]
     if not rows.steady:
         t, v = moved["t"], moved["c"]
@@ -218,7 +218,7 @@ def driven(record: Record, axis: Axis | None) -> Identified:
         if rows.steady
         else "the table is accelerated and braked",
         numbers=tuple(_numbers(rows, law, others, axis)),
-        untold=(*untold, ("axis.stiffness", "table and drive move as one in it")),
+        missing=(*missing, ("axis.stiffness", "table and drive move as one in it")),
         residual=Residual(
             rms=float(np.sqrt(np.mean(rows.best.residual**2))),
             unit="N",

@@ -159,10 +159,10 @@ def _of_block(record: Record, axis: Axis | None, runs: list[Run], reason: str) -
         block, found = one_by_one(block, found)
     _tell(block, found, axis, singly, drifts, told)
     return Identified(
-        kind="stick-slip", reason=reason, numbers=tuple(told.numbers), untold=tuple(told.untold),
+        kind="stick-slip", reason=reason, numbers=tuple(told.numbers), missing=tuple(told.untold),
         residual=_residual(block, found, tuple(told.faults)), traces=_traces(record, block, found),
         segments=_segments(block, found), notes=tuple(told.notes),
-        following=_following(told, cycles),
+        next_measurement=_following(told, cycles),
     )  # fmt: skip
 
 
@@ -451,8 +451,8 @@ def _of_servo(record: Record, axis: Axis, run: Run, reason: str) -> Identified:
         memory=found.memory[len(names) - 1].samples * step, faults=tuple(told.faults),
     )  # fmt: skip
     return Identified(
-        kind="stick-slip", reason=reason, numbers=tuple(told.numbers), untold=tuple(told.untold),
+        kind="stick-slip", reason=reason, numbers=tuple(told.numbers), missing=tuple(told.untold),
         residual=residual, traces=traces,
         segments=((float(run.t[0]), float(run.t[-1]), "settled jumps"),),
-        notes=tuple(told.notes), following=_following(told, len(run.highs)),
+        notes=tuple(told.notes), next_measurement=_following(told, len(run.highs)),
     )  # fmt: skip

@@ -66,8 +66,8 @@ class Number:
         return 0.5 * (self.high - self.low) / abs(self.value) if self.value else math.inf
 
     @property
-    def known(self) -> bool:
-        """Whether it is identified."""
+    def identified(self) -> bool:
+        """Whether the interval is narrow enough to go on as a number, not as a range."""
         return 2.0 * self.width <= KNOWN
 
 
@@ -126,7 +126,7 @@ class Identified:
     reason: str
     """Why it is taken for that."""
     numbers: tuple[Number, ...]
-    untold: tuple[tuple[str, str], ...]
+    missing: tuple[tuple[str, str], ...]
     """What the record cannot tell, and why."""
     residual: Residual
     traces: tuple[Trace, ...]
@@ -136,7 +136,7 @@ class Identified:
     """Friction over the speed."""
     notes: tuple[str, ...] = ()
     """What else was found, a sentence each: directions that differ, a zero that drifts."""
-    following: str = ""
+    next_measurement: str = ""
     """What to measure next, in a sentence."""
 
     @property

@@ -50,7 +50,7 @@ def numbers(found: Identified) -> Grid:
         half = 0.5 * (each.high - each.low)
         *ends, _, unit = shown(each.unit, half, each.value, each.low, each.high)
         value, *ends = (end.replace("-", "\N{MINUS SIGN}").replace("inf", "∞") for end in ends)
-        width = f"{100.0 * each.width:.2g} %" if each.known else "not identified"
+        width = f"{100.0 * each.width:.2g} %" if each.identified else "not identified"
         rows.append((each.name, each.meaning, f"{value} {unit}".strip(), *ends, width, each.why))
     head = ("number", "what it is", "value", "from", "to", "±", "why so wide")
     return Grid(head, rows, frozenset({2, 3, 4, 5}))
@@ -122,7 +122,7 @@ def data(found: Identified, source: str, then: str) -> dict[str, Any]:
         "format": FORMAT, "record": source, "sentence": then, "explained": found.explained,
         **plain(replace(found, traces=())),
         "numbers": [
-            plain(each) | {"width": plain(each.width), "known": each.known}
+            plain(each) | {"width": plain(each.width), "identified": each.identified}
             for each in found.numbers
         ],
     }  # fmt: skip

@@ -56,13 +56,13 @@ def identify(record: Record, axis: Axis | None = None) -> Identified:
         found,
         residual=replace(found.residual, faults=faults),
         notes=(*record.notes, *found.notes),
-        following=found.following or advice,
+        next_measurement=found.next_measurement or advice,
     )
 
 
 def _implausible(found: Identified, record: Record, axis: Axis | None) -> Iterator[str]:
     """Yield what no feed axis has: a unit is likely wrong."""
-    known = {number.name: number for number in found.numbers if number.known}
+    known = {number.name: number for number in found.numbers if number.identified}
     ratios = []
     if record.command is not None and record.position is not None and np.ptp(record.command):
         ratio = float(np.ptp(record.position) / np.ptp(record.command))
