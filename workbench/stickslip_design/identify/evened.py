@@ -36,12 +36,15 @@ _MOVES: Final = 1e-3
 """Of the highest speed: below it the table rests."""
 
 
+Columns = dict[str, Floats]
+
+
 class Even(NamedTuple):
     """An unbroken run of a record on an even grid."""
 
     t: Floats
     step: float
-    columns: dict[str, Floats]
+    columns: Columns
     """Position, velocity, command and force, by their names in a record, as far as it has them."""
     clipped: NDArray[np.bool_]
     """Where the force stands at a limit."""
@@ -73,38 +76,30 @@ def evened(record: Record) -> list[Even]:
     return runs
 
 
-class Filtered(NamedTuple):
-    """A run through a low pass, forth and back, shape (n,): it shifts nothing."""
-
-    t: Floats
-    x: Floats
-    v: Floats
-    a: Floats
-    force: Floats
-    wanted: list[Floats]
-    """Commanded speed and acceleration; empty: there is no command."""
-
-
 def low_pass(s: Floats, step: float, corner: float) -> Floats:
     """Return a signal of even steps [s] through a low pass with a corner [Hz], forth and back."""
     sos = butter(4, corner, fs=1.0 / step, output="sos")
     return np.asarray(sosfiltfilt(sos, s, padlen=min(s.size - 1, int(3.0 / (corner * step)))))
 
 
-def filtered(run: Even, corner: float) -> Filtered:
-    """Return a run through the low pass with a corner [Hz]; ends of three samples are left out."""
+def filtered(run: Even, corner: float) -> Columns:
+    """Return a run through the low pass with a corner [Hz]; ends of three samples are left out.
+
+    Time "t", position "x", "force", speed "c" and acceleration "m"; where there is a command its
+    "wanted c" and "wanted m".
+    """
 
     def derived(name: str, *orders: int) -> list[Floats]:
         # Differences of sixth order: within 2e-4 at a tenth of the sample rate.
         x = low_pass(run.columns[name], run.step, corner)
         return [savgol_filter(x, 7, 6, n, run.step)[3:-3] for n in orders]
 
-    x, v, a = derived("position", 0, 1, 2)
+    columns = dict(zip(("x", "c", "m"), derived("position", 0, 1, 2), strict=True))
     if "velocity" in run.columns:
-        v, a = derived("velocity", 0, 1)
-    wanted = derived("command", 1, 2) if "command" in run.columns else []
-    (force,) = derived("force", 0)
-    return Filtered(run.t[3:-3], x, v, a, force, wanted)
+        columns["c"], columns["m"] = derived("velocity", 0, 1)
+    if "command" in run.columns:
+        columns["wanted c"], columns["wanted m"] = derived("command", 1, 2)
+    return columns | {"t": run.t[3:-3], "force": derived("force", 0)[0]}
 
 
 def scatter(run: Even, corner: float, rounding: float) -> tuple[float, float]:
@@ -143,10 +138,10 @@ def plateaus(runs: Sequence[Even], rounding: float) -> tuple[list[Plateau], floa
     corner = _CORNER / runs[0].step
     window = max(_FEWEST, int(_SHORTEST / runs[0].step)) // _STRIDE
     ways = [filtered(run, corner) for run in runs]
-    highest = max(float(np.max(np.abs(way.v))) for way in ways)
+    highest = max(float(np.max(np.abs(way["c"]))) for way in ways)
     for run, way in zip(runs, ways, strict=True):
         noise = _DEVIATIONS * scatter(run, corner, rounding)[0]
-        t, v = way.t[::_STRIDE], way.v[::_STRIDE]
+        t, v = way["t"][::_STRIDE], way["c"][::_STRIDE]
         size = np.abs(v)
         moves = size > max(_MOVES * highest, noise)
         moving += int(np.count_nonzero(moves))

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from scipy.ndimage import maximum_filter1d
 
 from ..axis import Axis
-from .evened import Even, Filtered, Plateau, evened, filtered, low_pass, plateaus, scatter
+from .evened import Columns, Even, Plateau, evened, filtered, low_pass, plateaus, scatter
 from .laws import Law, law_of
 from .model import Curve, Floats, Identified, Number, Record, Residual, Trace
 from .noise import Estimate, Memory, least_squares
@@ -49,8 +49,6 @@ _LATE: Final = 0.1
 """Of the period of the low pass's corner: time between force and motion that is too much."""
 _WAY, _FAULT = 3.0, 4.0
 """Deviations that tell two directions from chance, and a fault, of some that are sought."""
-_OWN: Final = 1e-3
-"""Of the power of what is sought: what mass and friction must not show of it."""
 _LAG, _BINS = 0.05, 10
 """Lag whose correlation is shown [s]. Points of a friction curve, for each direction."""
 _FOLLOWS: Final = 0.95
@@ -64,7 +62,6 @@ _SHOWN: Final = {
     "fall": ("fall", "fall of friction from rest to high speed", "N"),
     "offset": ("axis.force_along", "constant force along the way, as of a weight", "N"),
 }
-Columns = dict[str, Floats]
 
 
 @dataclass(frozen=True)
@@ -112,9 +109,7 @@ class _Rows:
         ]
         return self.numbers(columns | late[0], late[1])
 
-    def numbers(
-        self, columns: Columns, more: Columns | None = None, force: Floats | None = None
-    ) -> Estimate:
+    def numbers(self, columns: Columns, more: Columns | None = None) -> Estimate:
         """Return the numbers of columns, and before them the mass, but in steady runs."""
         columns = columns if self.steady else {"m": self.moved["m"], **columns}
         noise, instruments = None, None
@@ -126,9 +121,9 @@ class _Rows:
                 name: self.noise[name == "m"] ** 2 * float(np.mean(columns[name] != 0.0))
                 for name in columns.keys() & {"m", "c", "c forward", "c backward"}
             }
-        force = self.moved["force"] if force is None else force
         known = {"ahead": self.sample, "soft": _SPRING}
-        return least_squares(columns, force, self.moved["run"], noise, instruments, known)
+        force, run = self.moved["force"], self.moved["run"]
+        return least_squares(columns, force, run, noise, instruments, known)
 
     @cached_property
     def both(self) -> Estimate:
@@ -280,25 +275,24 @@ def _at(
     corner = _WHITENED / (stride * step)
     rounding = record.rounding.get("position" if record.velocity is None else "velocity", 0.0)
     ways = [filtered(run, corner) for run in runs]
-    highest = max(float(np.max(np.abs(way.v))) for way in ways)
+    highest = max(float(np.max(np.abs(way["c"]))) for way in ways)
     yielding, reach = _yielding(axis), max(2, int(_RINGING / (corner * step)))
     late, parts = _lateness(ways), list[Columns]()
     for run, way in zip(runs, ways, strict=True):
         # Where the table turns it may rest, behind a spring for long, in which friction is
         # anything, and the low pass brings it in from there.
         near = 4 * reach + 1 if yielding else 2 * reach + 1
-        use = ~maximum_filter1d(np.abs(way.v) <= _SLOW * highest, near)
+        use = ~maximum_filter1d(np.abs(way["c"]) <= _SLOW * highest, near)
         if steady:
-            use = np.any([(way.t >= p.begin) & (way.t <= p.end) for p in steady], axis=0)
+            use = np.any([(way["t"] >= p.begin) & (way["t"] <= p.end) for p in steady], axis=0)
         use &= ~maximum_filter1d(run.clipped[3:-3], 2 * reach + 1)
         # At the ends of a run the low pass has other surroundings for each column.
         use[: 2 * reach] = use[-2 * reach :] = False
-        a = way.a + yielding * np.gradient(np.gradient(way.a, step), step)
-        columns = {"t": way.t, "x": way.x, "force": way.force, **_moved(way.v, a, step, corner)}
+        a = way["m"] + yielding * np.gradient(np.gradient(way["m"], step), step)
+        columns = way | _moved(way["c"], a, step, corner)
         if late is not None:
-            v, a = (np.interp(way.t - late, way.t, column) for column in way.wanted)
-            wanted = _moved(v, a, step, corner)
-            columns |= {f"wanted {name}": column for name, column in wanted.items()}
+            v, a = (np.interp(way["t"] - late, way["t"], way[f"wanted {n}"]) for n in ("c", "m"))
+            columns |= {f"wanted {n}": one for n, one in _moved(v, a, step, corner).items()}
         edges = np.flatnonzero(np.diff(use, prepend=False, append=False))
         for begin, end in zip(edges[::2], edges[1::2], strict=True):
             part = {name: column[begin:end:stride] for name, column in columns.items()}
@@ -308,7 +302,7 @@ def _at(
     moved = {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}
     return _Rows(
         moved=moved,
-        wanted={name[7:]: moved[name] for name in moved if name.startswith("wanted ")},
+        wanted={n[7:]: moved[n] for n in moved if n[:7] == "wanted "} if late is not None else {},
         corner=corner,
         sample=step,
         step=stride * step,
@@ -328,12 +322,11 @@ def _moved(v: Floats, a: Floats, step: float, corner: float) -> Columns:
     }  # fmt: skip
 
 
-def _lateness(ways: Sequence[Filtered]) -> float | None:
+def _lateness(ways: Sequence[Columns]) -> float | None:
     """Return by how much the table is late on its command [s]; None if it follows none."""
-    wanted = [np.array(way.wanted) for way in ways if way.wanted]
-    if not wanted:
+    if "wanted c" not in ways[0]:
         return None
-    v, (aim, rate) = np.concatenate([way.v for way in ways]), np.concatenate(wanted, axis=1)
+    v, aim, rate = (np.concatenate([w[n] for w in ways]) for n in ("c", "wanted c", "wanted m"))
     if not np.ptp(aim) or not np.ptp(v):
         return None
     late = float(rate @ (aim - v) / max(float(rate @ rate), 1e-300))
@@ -389,8 +382,7 @@ def _numbers(
 def _others(rows: _Rows, axis: Axis | None) -> dict[str, Estimate]:
     """Return what else the record shows, in words, and the numbers of a model that has it.
 
-    Of what is sought only that which is no chance, which acceleration, speed and sign do not show
-    as well, and which moves a number by more than its interval.
+    Of what is sought only that which is no chance and moves a number by more than its interval.
     """
     moved, v, sign = rows.moved, rows.moved["c"], rows.moved["F_k"]
     size, middle = np.abs(v), moved["x"] - np.mean(moved["x"])
@@ -409,11 +401,7 @@ def _others(rows: _Rows, axis: Axis | None) -> dict[str, Estimate]:
         turn = 2.0 * math.pi * middle / axis.drive.pitch
         tried["the force changes with the turn of the motor"] = [np.sin(turn), np.cos(turn)]
     best, shown = rows.best, dict[str, Estimate]()
-    plain = {"c": v, "F_k": sign, "offset": np.ones_like(sign)}
     for words, columns in tried.items():
-        own = rows.numbers(plain, force=columns[0])
-        if own.residual @ own.residual < _OWN * (columns[0] @ columns[0]):
-            continue
         found = rows.fit({str(n): one for n, one in enumerate(columns)}, apart=rows.differ)
         moves = [abs(found.number(n) - best.number(n)) > best.reach(n) for n in best.names]
         chance = [abs(found.number(str(n))) / found.deviation(str(n)) for n in range(len(columns))]
