@@ -15,7 +15,7 @@ static const double LEAST_FRICTION = 1e-12;
 /* Errors count from forces of this part of the weight, where there is next to no friction. */
 static const double LEAST_FORCE = 0.01;
 /* How much less than others the errors of a slow velocity count, which bristles damp. */
-static const double SLOW = 1e4;
+static const double SLOW = 1e5;
 /* By how much the velocity may grow in a stride: an implicit method steps over a break-away. */
 static const double MOST_GROWTH = 30.0;
 /* By how much it may fall in one that begins above v_s, which may pass the rise of friction. */
