@@ -142,6 +142,9 @@ def test_a_law_without_a_stick_is_followed_whole(side: Side, error: float) -> No
         assert abs(row["x_dot"] - x_dot) <= 10 * error
         assert abs(row["F_friction"] + 20 * lagged) <= 10 * error
         assert row["mode"] == MP.sign(x_dot)
+        # The meter reads the extremes of the spring, where the mass is as fast as the pull.
+        reached = MP.expm(system * row["t_event"]) * MP.matrix([0, MP.mpf(-0.0625), 0, 1])
+        assert abs(reached[1] - MP.mpf(0.02)) <= 10 * error
     assert {row["mode"] for row in found} == {-1, 1}
 
 

@@ -15,11 +15,13 @@ from .course import friction_law as friction_law
 from .course import run as run
 from .law import FrictionLaw as FrictionLaw
 from .law import Slip as Slip
+from .lugre import LUGRE as LUGRE
 from .parameters import PARAMETERS as PARAMETERS
 from .parameters import START_VALUES as START_VALUES
 from .parameters import Kind as Kind
 from .parameters import Number as Number
 from .parameters import Numbers as Numbers
 from .parameters import Parameter as Parameter
+from .rate_state import RATE_STATE as RATE_STATE
 from .series import Series as Series
 from .stribeck import STRIBECK as STRIBECK

@@ -15,7 +15,10 @@ import mpmath
 
 from .coulomb import COULOMB
 from .law import FrictionLaw, Slip
+from .lugre import LUGRE
+from .march import March
 from .parameters import Context, Number, changeable, complete, exact, high_precision, sign
+from .rate_state import RATE_STATE
 from .series import Series, bracketed_zero
 from .stribeck import STRIBECK
 
@@ -122,9 +125,13 @@ class Motion:
         self._born = self.time - law.age_start(self._n)
         self._state = law.state_start(self._n)
         x_dot = context.mpf(self._values["x_dot_start"])
+        # Without a stick: whether the mass is ahead of the pull, and when in the arc it came to be.
+        self._falls, self._seen = False, context.mpf(-1)
         if not law.sticks:
             self._mode = 1
-            self._slip_on(x_dot)
+            self._follow(x_dot)
+            if self._falls:
+                self._meter.begin_slip(self.time, self._along, self._x, self._z)
         elif x_dot:
             self._mode = sign(x_dot)
             self._meter.begin_slip(self.time, self._mode, self._x, self._z)
@@ -145,10 +152,16 @@ class Motion:
             self._n = changed
             return
         speed = self._close_arc(self.time)
-        k_before = self._n.k
+        before = self._n
         self._n = changed
-        self._W_k += (self._n.k - k_before) * self._z * self._z / 2
-        if self._law.sticks and (self._mode == 0 or speed == 0):
+        self._W_k += (self._n.k - before.k) * self._z * self._z / 2
+        if not self._law.sticks:
+            self._state = self._law.changed(before, changed, self._state)
+            was_ahead = self._falls
+            self._follow(speed)
+            if self._falls != was_ahead:
+                self._pass(self.time, self._x, self._z)
+        elif self._mode == 0 or speed == 0:
             self._rest_test()
         else:
             self._slip_on(speed)
@@ -168,6 +181,8 @@ class Motion:
                 self._load_up_ends(self._arc_start + arc.wait, arc.overload)
             else:
                 arc.reach(self.time - self._arc_start)
+                if isinstance(arc, March) and not self._law.sticks:
+                    self._look_for_extremes(arc, self.time - self._arc_start)
                 end = None if arc.duration is None else self._arc_start + arc.duration
                 if end is None or end > self.time:
                     self._note_decision(arc, self.time - self._arc_start)
@@ -179,6 +194,7 @@ class Motion:
         n, z = self._n, self._z
         elapsed = self.time - self._arc_start
         x, x_dot, mode = self._x, self._context.zero, self._mode
+        own: dict[str, Number] = {}
         W_pull, Q_friction = self._W_pull, self._Q_friction
         if isinstance(self._arc, Stick):
             W_pull = W_pull + n.v * n.k * (z + n.v * elapsed / 2) * elapsed
@@ -186,15 +202,22 @@ class Motion:
             F_friction = -(n.k * z + n.F_ext)
             F_s = self._hold(self.time - self._born, self._rested(elapsed))
         else:
-            F_s = self._hold(self._context.zero, self._arc.state(elapsed))
+            state = self._arc.state(elapsed)
+            F_s = self._hold(self._context.zero, state)
             speed, distance = self._arc.motion(elapsed)
             work, heat = self._arc.work_and_heat(elapsed, speed, distance)
+            heat -= self._law.stored(n, state) - self._law.stored(n, self._state)
             W_pull, Q_friction = W_pull + work, Q_friction + heat
             x = x + self._mode * distance
             z = z + n.v * elapsed - self._mode * distance
             x_dot = self._mode * speed
             F_friction = -(self._mode * self._arc.dry_friction(elapsed) + n.c * x_dot)
-            mode = self._mode if self._law.sticks else sign(x_dot)
+            if not self._law.sticks:
+                mode = 0 if abs(x_dot) < n.own.get("v_stick", 0) else sign(x_dot)
+                own = self._law.shown(self._context, n, x_dot, state)
+        mu_k_used = self._law.mu_k_used(n)
+        if mu_k_used is not None:
+            own["mu_k_used"] = mu_k_used
         return {
             "x": x,
             "x_dot": x_dot,
@@ -209,7 +232,7 @@ class Motion:
             "W_pull": W_pull,
             "W_k": self._W_k,
             "Q_friction": Q_friction,
-            "mu_k_used": self._law.mu_k_used(n),
+            **own,
         }
 
     def _close_arc(self, time: Number) -> Number:
@@ -225,16 +248,20 @@ class Motion:
         if elapsed == 0:
             return arc.speed
         arc.reach(elapsed)
-        self._state = arc.state(elapsed)
+        state_before, self._state = self._state, arc.state(elapsed)
         speed, distance = arc.motion(elapsed)
         if arc.duration is not None and elapsed >= arc.duration:
             speed = self._context.zero
         work, heat = arc.work_and_heat(elapsed, speed, distance)
         self._W_pull += work
-        self._Q_friction += heat
+        stored = self._law.stored
+        self._Q_friction += heat - (stored(n, self._state) - stored(n, state_before))
         self._x += self._mode * distance
         self._z += n.v * elapsed - self._mode * distance
-        self._meter.speed_reached(arc.top_speed(elapsed))
+        if self._law.sticks:
+            self._meter.speed_reached(arc.top_speed(elapsed))
+        elif self._falls and isinstance(arc, March):
+            self._meter.speed_reached(arc.farthest(max(self._seen, 0), elapsed))
         self._note_decision(arc, elapsed)
         return speed
 
@@ -307,6 +334,42 @@ class Motion:
         n = self._n
         force = self._mode * (n.k * self._z + n.F_ext) - self._sliding(speed) - n.c * speed
         self._slip(force / n.m, speed)
+
+    @property
+    def _along(self) -> int:
+        """Direction of the pull; +1 at rest."""
+        return -1 if self._n.v < 0 else 1
+
+    def _follow(self, x_dot: Number) -> None:
+        """Begin an arc of a law without a stick."""
+        n = self._n
+        force = n.k * self._z + n.F_ext
+        x_dot, self._state = self._law.started(self._context, n, force, x_dot, self._state)
+        self._slip_on(x_dot)
+        self._falls = self._along * (x_dot - n.v) > 0
+        self._seen = self._context.mpf(-1)
+
+    def _look_for_extremes(self, arc: March, elapsed: Number) -> None:
+        """Read the meter at the extremes of the spring that the arc has met."""
+        for time, ahead in arc.passes(self._seen, elapsed):
+            if self._falls:
+                self._meter.speed_reached(arc.farthest(max(self._seen, 0), time))
+            self._falls, self._seen = ahead, time
+            distance = arc.motion(time)[1]
+            z = self._z + self._n.v * time - distance
+            self._pass(self._arc_start + time, self._x + distance, z)
+
+    def _pass(self, time: Number, x: Number, z: Number) -> None:
+        """End a phase: the spring falls from here on if the mass is ahead of the pull."""
+        n = self._n
+        if self._falls:
+            self._meter.begin_slip(time, self._along, x, z)
+            self._meter.break_away(time)
+        else:
+            self._meter.end_slip(time, x, z)
+            self._meter.stick_start = time
+        mode = 0 if abs(n.v) < n.own.get("v_stick", 0) else sign(n.v)
+        self.events.append(Event(time, "break-away" if self._falls else "re-stick", mode, x, z))
 
     def _slip(self, acceleration: Number, speed: Number | None = None) -> None:
         """Begin an arc of slip with s x_ddot = `acceleration` [m/s2], by default from rest."""
@@ -388,7 +451,12 @@ class Motion:
 
 
 COULOMB_NAME = "coulomb"  # the name of Coulomb's law
-BUILT_IN = {COULOMB_NAME: COULOMB, "stribeck": STRIBECK}
+BUILT_IN: dict[str, FrictionLaw] = {
+    COULOMB_NAME: COULOMB,
+    "stribeck": STRIBECK,
+    "lugre": LUGRE,
+    "rate_state": RATE_STATE,
+}
 """The laws that come along, by name; any other name is a dotted one."""
 
 _EXAMPLE = "'my_laws.stribeck:STRIBECK'"
@@ -397,7 +465,7 @@ _EXAMPLE = "'my_laws.stribeck:STRIBECK'"
 def friction_law(name: str) -> FrictionLaw:
     """Return the truth's side of the friction law of a name.
 
-    That is ``"coulomb"``, ``"stribeck"``, or ``"module:NAME"``: an object whose attribute ``truth``
+    That is a name in `BUILT_IN`, or ``"module:NAME"``: an object whose attribute ``truth``
     is in turn the dotted name of a `FrictionLaw`. `ValueError`, with the reason and an example, if
     the name is not of this form, a module or an attribute is missing, or the object is no
     `FrictionLaw`.

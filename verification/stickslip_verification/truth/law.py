@@ -1,6 +1,6 @@
 """The contract of a friction law in the truth."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Protocol
 
 from .march import Friction, March, NearRest
@@ -65,8 +65,12 @@ class FrictionLaw:
     4. If it has state variables of its own: their values at the start of a run, `state_start`;
        the series of their rates in slip, `rates`; and their values after a time at rest, `rested`.
     5. Where the mass never sticks: ``sticks = False``. Then `hold` shows as the output F_s only,
-       ``speed`` is the signed velocity and `kinetic` the signed friction, analytic through 0. There
-       are no events, the meter stays at its starts, and the mode is the sign of the velocity.
+       ``speed`` is the signed velocity and `kinetic` the signed friction, analytic through 0 if
+       that is no knot. A maximum of the spring counts as break-away, a minimum as re-stick. The
+       mode is the sign of the velocity, 0 below an own parameter ``v_stick``. `rates_between` are
+       the rates between knots, `changed` is the state after a change, `started` velocity and state
+       of a law whose `velocity` follows from the state, `stored` the energy that is no heat yet,
+       `shown` what the law shows of its state.
 
     A law may assume:
 
@@ -96,8 +100,11 @@ class FrictionLaw:
         All parameters of a run, each within its own bounds; any are taken by default.
         """
 
-    def mu_k_used(self, n: Numbers) -> Number:
-        """Return what the output mu_k_used shows [1]; mu_k after the clamp by default."""
+    def mu_k_used(self, n: Numbers) -> Number | None:
+        """Return what the output mu_k_used shows [1]; mu_k after the clamp by default.
+
+        None: there is no such output.
+        """
         return n.mu_k
 
     def coefficient(self, values: Mapping[str, float]) -> float:
@@ -153,6 +160,36 @@ class FrictionLaw:
         """Return the rates [1/s] of the own state at ``speed`` [m/s]; none by default."""
         return ()
 
+    def rates_between(
+        self, n: Numbers, band: int, speed: Series, state: Sequence[Series]
+    ) -> Sequence[Series]:
+        """Return the rates [1/s] in band 0, 1, ... between two knots; `rates` by default."""
+        return self.rates(n, speed, state)
+
+    def changed(self, before: Numbers, n: Numbers, state: tuple[Number, ...]) -> tuple[Number, ...]:
+        """Return the own state after a change from ``before`` to ``n``; unchanged by default."""
+        return state
+
+    def started(
+        self, context: Context, n: Numbers, force: Number, speed: Number, state: tuple[Number, ...]
+    ) -> tuple[Number, tuple[Number, ...]]:
+        """Return velocity and own state with which the motion goes on under k z + F_ext [N]."""
+        return speed, state
+
+    def velocity(self, context: Context, n: Numbers) -> Callable[[Sequence[Series]], Series] | None:
+        """Return what gives the velocity [m/s] from the own state; None: the mass has inertia."""
+        return None
+
+    def stored(self, n: Numbers, state: Sequence[Number]) -> Number:
+        """Return the energy [J] that the own state holds; none by default."""
+        return 0
+
+    def shown(
+        self, context: Context, n: Numbers, x_dot: Number, state: Sequence[Number]
+    ) -> dict[str, Number]:
+        """Return the law's own outputs by name; none by default."""
+        return {}
+
     def rested(self, n: Numbers, duration: Number, state: tuple[Number, ...]) -> tuple[Number, ...]:
         """Return the own state after ``duration`` [s] at rest; unchanged by default."""
         return state
@@ -172,9 +209,10 @@ class FrictionLaw:
         """
         friction = Friction(
             force=lambda u, own, band: self.kinetic_between(n, band, u, own),
-            rates=lambda u, own: self.rates(n, u, own),
+            rates=lambda u, own, band: self.rates_between(n, band, u, own),
             signed=not self.sticks,
             knots=self.knots(context, n),
+            velocity=self.velocity(context, n),
             near_rest=self.near_rest(n),
         )
         return March(context, n, friction, direction, speed, acceleration, state)

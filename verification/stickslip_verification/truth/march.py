@@ -10,6 +10,7 @@ import math
 from bisect import bisect_left, bisect_right
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from itertools import pairwise
 from typing import NamedTuple
 
 from .parameters import Context, Number, Numbers, sign
@@ -49,14 +50,15 @@ class Friction:
     """What a friction law gives a march, under constant parameters.
 
     ``force`` takes the series of the speed [m/s], those of the own state and the number of the band
-    between knots, and returns the friction [N]; ``rates`` takes the first two and returns the rates
-    of the own state.
+    between knots, and returns the friction [N]; ``rates`` takes the same and returns the rates of
+    the own state. Where there is no inertia, ``velocity`` [m/s] follows from the own state.
     """
 
     force: Callable[[Series, Sequence[Series], int], Series]
-    rates: Callable[[Series, Sequence[Series]], Sequence[Series]]
+    rates: Callable[[Series, Sequence[Series], int], Sequence[Series]]
     signed: bool = False  # whether the law has no stick: then u may change its sign
-    knots: Sequence[Number] = ()  # rising speeds > 0 [m/s] at which the friction has a corner
+    knots: Sequence[Number] = ()  # rising speeds [m/s] at which the friction has a corner
+    velocity: Callable[[Sequence[Series]], Series] | None = None
     near_rest: NearRest | None = None  # where it has no Taylor series at u = 0, and no own state
 
 
@@ -132,31 +134,36 @@ class Pieces:
     def in_time(self, start: Start, band: int, frozen: Series | None = None) -> Piece:
         """Return the piece in powers of time; `frozen` [N], if given, is the friction in it."""
         context, n = self._context, self._numbers
-        u = Series.unknown(context, start.speed)
         P = Series.unknown(context, start.pull)
         state = [Series.unknown(context, each) for each in start.state]
+        velocity = self._friction.velocity
+        u = velocity(state) if velocity else Series.unknown(context, start.speed)
         R = frozen or self._friction.force(u, state, band)
-        rates = self._friction.rates(u, state)
+        rates = self._friction.rates(u, state, band)
         heating = (R + u * n.c) * u
         for order in range(self._order):
             over = order + 1
-            rate = P.term(order) - R.term(order) - n.c * u.term(order)
             drift = (self._V if order == 0 else context.zero) - u.term(order)
             following = [each.term(order) / over for each in rates]
-            u.terms.append(rate / (n.m * over))
+            if not velocity:
+                rate = P.term(order) - R.term(order) - n.c * u.term(order)
+                u.terms.append(rate / (n.m * over))
             P.terms.append(n.k * drift / over)
             for each, term in zip(state, following, strict=True):
                 each.terms.append(term)
         for each in (R, heating, *rates):
             each.term(self._order)
-        length = min(_LONGEST * context.sqrt(n.m / n.k), self._shortest_of([heating, P, *rates]))
+        length = self._shortest_of([heating, P, *rates])
+        if not velocity:
+            length = min(length, _LONGEST * context.sqrt(n.m / n.k))
         slope = derivative(u.terms)
 
         def forces(t: Number) -> list[Number]:
             speed, force = value_at(u.terms, t), value_at(P.terms, t)
             own = [Series(context, [value_at(each.terms, t)]) for each in state]
             dry = frozen or self._friction.force(Series(context, [speed]), own, band)
-            return [n.m * value_at(slope, t), -force, dry.term(0), n.c * speed]
+            inertia = 0 if velocity else n.m * value_at(slope, t)
+            return [inertia, -force, dry.term(0), n.c * speed]
 
         length = self._checked(length, forces, start)
         return self._piece(start, length, u, P, R, [u, heating, P], state)
@@ -299,6 +306,9 @@ class March:
         self._pieces: list[Piece] = []
         self._begins: list[Number] = []
         self._turns: list[tuple[Number, Number, bool]] = []
+        self._s = -1 if self._V < 0 else 1
+        self._ahead = self._s * (speed - self._V) > 0
+        self._passes: list[tuple[Number, bool]] = []
 
     def reach(self, t: Number) -> None:
         """Follow the slip up to the time `t` [s], or to its end if that is earlier."""
@@ -314,9 +324,12 @@ class March:
 
         The smallest |u| / (|V| + |u - V|) at the least speeds passed by. At the end of the slip
         q^2 / (|V| + hypot(V, q))^2 with q = u' sqrt(m/k), which is the same for a slip without
-        damping.
+        damping. Of a law without a stick, the smallest |u - V| / (|V| + |u|) at the turns of u.
         """
         V = abs(self._V)
+        if self._friction.signed:
+            turns = [speed for time, speed, _ in self._turns if time <= t and speed != self._V]
+            return min((abs(speed - self._V) / (V + abs(speed)) for speed in turns), default=None)
         found = [
             abs(speed) / (V + abs(speed - self._V))
             for time, speed, least in self._turns
@@ -359,6 +372,29 @@ class March:
         ends = (abs(each.speed[0]) for each in self._pieces if each.begin <= t)
         return max(abs(self.speed), abs(self.motion(t)[0]) if t else 0, *turns, *ends)
 
+    def passes(self, begin: Number, end: Number) -> list[tuple[Number, bool]]:
+        """Return when u passes V in (begin, end] [s], and whether it is beyond it from then on.
+
+        A pass at the very start of the slip counts where `begin` is below 0.
+        """
+        return [each for each in self._passes if begin < each[0] <= end]
+
+    def farthest(self, begin: Number, end: Number) -> Number:
+        """Return the largest speed along the pull [m/s] between two times."""
+        turns = [speed for time, speed, _ in self._turns if begin <= time <= end]
+        ends = [self.motion(t)[0] if t else self.speed for t in (begin, end)]
+        return max(self._s * speed for speed in (*turns, *ends))
+
+    def _note_passes(self, piece: Piece) -> None:
+        """Note where u passes V in a piece: where its side changes between the zeros of u - V."""
+        off = [piece.speed[0] - self._V, *piece.speed[1:]]
+        zeros = polynomial_zeros(self._context, off, piece.length)
+        for begin, end in pairwise([self._context.zero, *zeros, piece.length]):
+            side = self._s * sign(value_at(off, (begin + end) / 2))
+            if side and (side > 0) != self._ahead:
+                self._ahead = side > 0
+                self._passes.append((piece.begin + begin, self._ahead))
+
     def _reached(self) -> Number:
         if not self._pieces:
             return self._context.zero
@@ -381,6 +417,8 @@ class March:
             # Monotone, and above 0 to its end.
             self._largest = max(self._largest, abs(piece.end().speed))
             return
+        if self._friction.signed:
+            self._note_passes(piece)
         slope = derivative(u)
         # Beyond a knot the polynomial is not the motion any more.
         overlap = piece.length * context.ldexp(1, -_OVERLAP_BITS) if self._met is None else 0
@@ -416,7 +454,7 @@ class March:
             start = self._pieces[-1].end()
         else:
             start = Start(zero, self.speed, self._force, zero, zero, zero, self._start_state)
-        if self._met is not None:
+        if self._met is not None and not self._friction.velocity:
             start = start._replace(speed=self._met)
         near = self._friction.near_rest
         piece = None if near is None else self._near_rest(start, near)

@@ -1,0 +1,121 @@
+"""LuGre's friction law: bristles that bend before the mass slides. docs/theory.md.
+
+The friction is ``sigma_0 zeta + sigma_1(u) zeta'``, and ``zeta' = u - sigma_0 |u| zeta / g(u)``.
+"""
+
+from collections.abc import Mapping, Sequence
+
+from .law import FrictionLaw
+from .parameters import Context, Kind, Number, Numbers, Parameter
+from .series import Series
+
+
+class LuGre(FrictionLaw):
+    """The own state is the deflection zeta [m]."""
+
+    parameters = (
+        Parameter("sigma_0", "N/m", 1e5, Kind.TUNABLE, low=0.0, strict=True),
+        Parameter("sigma_1", "N.s/m", 300.0, Kind.TUNABLE, low=0.0),
+        Parameter("v_s", "m/s", 1e-3, Kind.TUNABLE, low=0.0, strict=True),
+        Parameter("delta", "1", 2.0, Kind.TUNABLE, low=1.0, chosen=True),
+        Parameter("v_d", "m/s", 0.0, Kind.TUNABLE, low=0.0),
+        Parameter("zeta_start", "m", 0.0, Kind.FIXED, directed=True),
+        Parameter("v_stick", "m/s", 1e-4, Kind.TUNABLE, low=0.0),
+    )
+    sticks = False
+    digits = 20
+
+    def check(self, values: Mapping[str, float]) -> None:
+        """Refuse an exponent that is not whole: g has no Taylor series at rest then."""
+        if values["delta"] != int(values["delta"]):
+            raise ValueError(
+                f"delta = {values['delta']!r} is outside the whole numbers, which the truth of "
+                "LuGre's law is limited to"
+            )
+
+    def knots(self, context: Context, n: Numbers) -> Sequence[Number]:
+        """Return 0 and the speeds [m/s], both ways, where an exponential is a rounding."""
+        limits = _limits(context, n)
+        return [*(-u for u in reversed(limits)), context.zero, *limits]
+
+    def kinetic(self, n: Numbers, speed: Series, state: Sequence[Series]) -> Series:
+        """Return the friction [N] at the value of the speed."""
+        knots = self.knots(speed.context, n)
+        band = sum(speed.term(0) > knot for knot in knots)
+        return self.kinetic_between(n, band, speed, state)
+
+    def kinetic_between(
+        self, n: Numbers, band: int, speed: Series, state: Sequence[Series]
+    ) -> Series:
+        """Return ``sigma_0 zeta + sigma_1 zeta'`` [N]."""
+        own = n.own
+        force: Series = state[0] * own["sigma_0"]
+        (rate,) = self.rates_between(n, band, speed, state)
+        if own["v_d"]:
+            if abs(self._level(speed.context, n, band)) >= _fades(speed.context, own["v_d"], 2):
+                return force
+            rate = rate * (-((speed / own["v_d"]) ** 2)).exp()
+        return force + rate * own["sigma_1"]
+
+    def rates_between(
+        self, n: Numbers, band: int, speed: Series, state: Sequence[Series]
+    ) -> Sequence[Series]:
+        """Return zeta' [m/s]."""
+        context, level = speed.context, self._level(speed.context, n, band)
+        forward = band > len(_limits(context, n))
+        size = speed if forward else -speed
+        part = size * state[0] * n.own["sigma_0"]
+        least = _least(n)
+        if n.gap == 0 or abs(level) >= _falls(context, n):
+            return (speed - part / max(n.F_k, least),)
+        g = (-((size / n.own["v_s"]) ** n.own["delta"])).exp() * n.gap + n.F_k
+        return (speed - part / g,)
+
+    def _level(self, context: Context, n: Numbers, band: int) -> Number:
+        """Return the knot of a band that is nearer to 0 [m/s]."""
+        knots, middle = self.knots(context, n), len(_limits(context, n))
+        return knots[band - 1] if band > middle else knots[band]
+
+    def state_start(self, n: Numbers) -> tuple[Number, ...]:
+        """Return zeta at the start [m]."""
+        return (n.own["zeta_start"],)
+
+    def stored(self, n: Numbers, state: Sequence[Number]) -> Number:
+        """Return the energy in the bristles [J]."""
+        return n.own["sigma_0"] * state[0] * state[0] / 2
+
+    def shown(
+        self, context: Context, n: Numbers, x_dot: Number, state: Sequence[Number]
+    ) -> dict[str, Number]:
+        """Return zeta [m] and the energy in the bristles [J]."""
+        return {"zeta": state[0], "E_bristles": self.stored(n, state)}
+
+
+def _least(n: Numbers) -> Number:
+    """Return the least friction in sliding [N]."""
+    return n.weight / 10**12
+
+
+def _limits(context: Context, n: Numbers) -> list[Number]:
+    """Return the rising speeds > 0 [m/s] where an exponential ends."""
+    found = {_falls(context, n)} if n.gap else set()
+    if n.own["v_d"]:
+        found.add(_fades(context, n.own["v_d"], 2))
+    return sorted(u for u in found if u > 0)
+
+
+def _falls(context: Context, n: Numbers) -> Number:
+    """Return the speed [m/s] from which g is constant: by rounding, or at its least value."""
+    least = _least(n)
+    if n.F_k >= least:
+        return _fades(context, n.own["v_s"], n.own["delta"])
+    above = n.gap / (least - n.F_k)
+    return n.own["v_s"] * context.log(above) ** (1 / n.own["delta"]) if above > 1 else context.zero
+
+
+def _fades(context: Context, speed: Number, exponent: Number) -> Number:
+    """Return where ``exp(-(u/speed)^exponent)`` is below a rounding [m/s]."""
+    return speed * (context.prec * context.ln2) ** (context.one / exponent)
+
+
+LUGRE = LuGre()
