@@ -241,13 +241,12 @@ def test_an_axis_whose_friction_is_sought_has_none_and_a_rotary_table_is_refused
 
 def test_the_scale_of_the_force_widens_forces_and_masses_alone() -> None:
     found = told({"axis.mass": 500.0, "c/m": 2.0}, part=0.03)
-    mass = replace(found.numbers[0], scales=True)
-    wide = scaled(replace(found, numbers=(mass, found.numbers[1])), 0.04).numbers
+    found = replace(found, numbers=(found.numbers[0], replace(found.numbers[1], unit="1/s")))
+    wide = scaled(found, 0.04).numbers
     assert wide[0].width == pytest.approx(0.05)
     assert (wide[0].why, wide[1]) == ("± 4 % of the force's scale", found.numbers[1])
     # The motor takes four times the force of the table: 4 % of both are 20 % of the table.
-    drive = replace(DRIVE, inertia=2000.0)
-    (motor, _) = scaled(replace(found, numbers=(mass, found.numbers[1])), 0.04, drive).numbers
+    (motor, _) = scaled(found, 0.04, replace(DRIVE, inertia=2000.0)).numbers
     assert motor.width == pytest.approx(math.hypot(0.03, 0.2))
 
 

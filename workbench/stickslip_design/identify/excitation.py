@@ -189,7 +189,7 @@ def driven(record: Record, axis: Axis | None) -> Identified:
     lag = min(max(1, round(_LAG / rows.step)), memory.correlation.size)
     at = lag * rows.step, float(memory.correlation[lag - 1])
     part = float(np.mean(np.concatenate([run.clipped for run in runs])))
-    notes = [*_notes(rows, at)]
+    notes = [*_notes(rows, at, axis.drive.d if axis and axis.drive else 0.0)]
     if part:
         notes.append(
             f"In {100.0 * part:.2g} % of the samples the force is clipped: they tell nothing."
@@ -375,7 +375,6 @@ def _numbers(
             value=value,
             low=min(value - reach, *apart, value),
             high=max(value + reach, *apart, value),
-            scales=True,
         )
 
 
@@ -423,13 +422,13 @@ def _faults(rows: _Rows, law: Law, curve: Curve, inside: Memory) -> Iterator[str
         yield f"force and motion are {late * 1e3:.2g} ms apart"
 
 
-def _notes(rows: _Rows, at: tuple[float, float]) -> Iterator[str]:
+def _notes(rows: _Rows, at: tuple[float, float], of_motor: float) -> Iterator[str]:
     both, apart = rows.both, rows.apart
     if rows.differ:
         before, after = (float(np.sqrt(np.mean(each.residual**2))) for each in (both, apart))
         yield (
-            f"The directions differ: {apart.number('c forward'):.0f} N s/m forward, "
-            f"{apart.number('c backward'):.0f} backward. That takes the residual from "
+            f"The directions differ: {apart.number('c forward') - of_motor:.0f} N s/m forward, "
+            f"{apart.number('c backward') - of_motor:.0f} backward. That takes the residual from "
             f"{before:.2g} to {after:.2g} N, and the constant part of the force from "
             f"{both.number('offset'):.2g} ± {both.reach('offset'):.2g} to "
             f"{apart.number('offset'):.2g} ± {apart.reach('offset'):.2g} N."

@@ -142,7 +142,7 @@ def number_of(name: str, value: float, low: float, high: float, why: str = "") -
         value, low, high = max(value, 0.0), max(low, 0.0), max(high, high - value, 0.0)
     return Number(
         name=name, meaning=meaning, unit=unit, value=value, low=low, high=high,
-        scales="N" in unit or unit == "kg", why=why,
+        why=why,
     )  # fmt: skip
 
 

@@ -55,10 +55,13 @@ class Number:
     low: float
     high: float
     """Ends of the interval, without the ± of the scale of the force."""
-    scales: bool = False
-    """Whether the ± of the scale of the force is its own too: of forces and masses."""
     why: str = ""
     """What its width comes from, or why it cannot be told."""
+
+    @property
+    def scales(self) -> bool:
+        """Whether the ± of the scale of the force is its own too: of forces and masses."""
+        return "N" in self.unit or self.unit == "kg"
 
     @property
     def width(self) -> float:

@@ -33,14 +33,14 @@ def scaled(found: Identified, spread: float, drive: Drive | None = None) -> Iden
 
     def wider(number: Number) -> Number:
         part = spread * (abs(number.value) + own.get(number.name, 0.0))
+        if not part or not number.scales:
+            return number
         below, above = (math.hypot(end - number.value, part) for end in (number.low, number.high))
-        why = "; ".join(
-            filter(None, (number.why, f"± {100.0 * spread:.2g} % of the force's scale"))
-        )
-        return replace(number, low=number.value - below, high=number.value + above, why=why)
+        why = [number.why] * bool(number.why) + [f"± {100.0 * spread:.2g} % of the force's scale"]
+        low, high = number.value - below, number.value + above
+        return replace(number, low=low, high=high, why="; ".join(why))
 
-    every = (wider(each) if spread and each.scales else each for each in found.numbers)
-    return replace(found, numbers=tuple(every))
+    return replace(found, numbers=tuple(map(wider, found.numbers)))
 
 
 def numbers(found: Identified) -> Grid:
