@@ -4,15 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
+
+from rich.console import Group
+from rich.text import Text
 
 from stickslip.parameters import ParameterError, above_zero, quantity
 from stickslip.results import Shown
-from stickslip.show.tables import reversal_summary
-from stickslip_design.axis import AxisSource, read_axis_file
-from stickslip_design.reversal import plots
-from stickslip_design.reversal.study import Reversals, study
+from stickslip.show.tables import Fitted, grid
+from stickslip_design.axis import Assumed, AxisSource, read_axis_file
+from stickslip_design.reversal import circle, plots
+from stickslip_design.reversal.follower import Follower, Matrix, assumed
+from stickslip_units import EXACT, number, shown_in
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -21,13 +24,30 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, repr=False)
 class Reversal(Shown):
-    """What axes do where they reverse: `found` has the circles with their paths, and B."""
+    """What axes do where they reverse.
 
-    found: Reversals
+    Attributes
+    ----------
+    circles
+        The circular tests, by radius, feed and part that is fed forward.
+    paths
+        For each the deviation of its radius [m], counterclockwise and clockwise, of shape (2, n)
+        over n equal angles from 0 on.
+    B
+        For each axis that differs its name and reversal value: where it rests from below, less from
+        above [m]; negative where it stays behind. It came at the slowest feed.
+    assumed
+        What the axis files do not state.
+    """
+
+    circles: tuple[circle.Circle, ...]
+    paths: tuple[Matrix, ...]
+    B: tuple[tuple[str, float], ...]
+    assumed: tuple[Assumed, ...]
 
     def __repr__(self) -> str:
-        worst = max(self.found.circles, key=lambda each: each.G_b)
-        axes = " and ".join(f"{each.axis}, B {each.B:.3g} m" for each in self.found.values)
+        worst = max(self.circles, key=lambda each: each.G_b)
+        axes = " and ".join(f"{name}, B {B:.3g} m" for name, B in self.B)
         return (
             f"<Reversal of {axes}: G(b) {worst.G_b:.3g} m, glitch {worst.glitch.height:.3g} m "
             f"at {worst.feed:.3g} m/s, radius {worst.radius:.3g} m>"
@@ -35,31 +55,29 @@ class Reversal(Shown):
 
     def table(self) -> RenderableType:
         """Return a row for each circle, for rich."""
-        return reversal_summary(self.found)
+        rows = []
+        for test in self.circles:
+            lengths = map(_micrometres, (*test[3:9], test.glitch.height))
+            share, width = number(100.0 * test.share, EXACT), number(1e3 * test.glitch.width)
+            rows.append((test.name, f"{share} %", *lengths, width))
+        names = ("G(b)", "G", "H", "D", "F max", "F min", "glitch")
+        head = ("circle", "fed\nforward", *(f"{name}\nµm" for name in names), "width\nmm")
+        lines = [f"reversal value B of {name}: {_micrometres(B)} µm" for name, B in self.B]
+        lines += [f"assumed: {key} {value}, {reason}" for key, value, reason in self.assumed]
+        return Group(Fitted([grid(head, rows, padding=(0, 0, 0, 1))]), *map(Text, lines))
 
     def to_dict(self) -> dict[str, Any]:
         """Return the figures [SI] as JSON knows them, without the paths."""
-        circles = [
-            {
-                "feed": each.feed, "radius": each.radius, "share": each.share, "G_b": each.G_b,
-                "G": each.G, "H": each.H, "D": each.D, "F_max": each.F[0], "F_min": each.F[1],
-                "glitches": each.glitches,
-            }
-            for each in self.found.circles
-        ]  # fmt: skip
-        return {
-            "circles": circles, "reversal_values": self.found.values, "assumed": self.found.assumed
-        }  # fmt: skip
+        return {"circles": self.circles, "B": self.B, "assumed": self.assumed}
 
     def plot(self) -> Figure:
         """Draw the circles, the deviation of the radius enlarged."""
-        return plots.circles(self.found.circles)
+        return plots.circles(self.circles, self.paths)
 
-    def write_plot(self, target: Path | str, option: str = "file") -> None:
-        """Draw into a .png, .svg or .pdf file; `option` names it in a refusal."""
-        from stickslip.show.plot import write_figure
 
-        write_figure(self.plot(), Path(target), option)
+def _micrometres(length: float) -> str:
+    # Half a nanometre is nothing.
+    return shown_in(length if abs(length) >= 0.5e-9 else 0.0, "m")
 
 
 def reversal(
@@ -101,4 +119,15 @@ def reversal(
     files = [read_axis_file(each) for each in (axis, other) if each is not None]
     for file in files:
         file.refuse_turning("the circular test")
-    return Reversal(study([file.axis() for file in files], speeds, lengths, parts))
+    axes = [file.axis() for file in files]
+    tables = [Follower(each) for each in axes]
+    parts = parts if all(each.drive for each in axes) else [0.0]
+    cases = [(feed, radius, part) for radius in lengths for feed in speeds for part in parts]
+    paths = tuple(circle.paths(tables[0], tables[-1], *case) for case in cases)
+    B = tuple(
+        (each.name, circle.reversal_value(table, min(speeds), each.demand.acceleration))
+        for each, table in zip(axes, tables, strict=True)
+    )
+    tests = tuple(circle.measured(*case, path) for case, path in zip(cases, paths, strict=True))
+    taken = dict.fromkeys(each for one in axes for each in assumed(one))
+    return Reversal(tests, paths, B, tuple(taken))

@@ -22,19 +22,17 @@ def reversal(
     Friction turns over by presliding, friction.presliding in the axis file. The reversal value of
     ISO 230-2 comes with it.
     """
+    from stickslip import reversals
     from stickslip.files import check_drawable, check_writable
     from stickslip.progress import meter
-    from stickslip.reversals import reversal as reversed_axes
+    from stickslip.show.plot import write_figure
 
     if plot is not None:
         check_drawable(plot, "--plot")
         check_writable(plot, "--plot")
     asked = {"feeds": feeds, "radii": radii, "shares": shares}
     with meter("Running the circles"):
-        found = reversed_axes(axis, with_, **{k: each for k, each in asked.items() if each})
+        found = reversals.reversal(axis, with_, **{k: each for k, each in asked.items() if each})
     if plot is not None:
-        found.write_plot(plot, "--plot")
-    if json:
-        print(found.to_json())
-    else:
-        console().print(found.table())
+        write_figure(found.plot(), plot, "--plot")
+    print(found.to_json()) if json else console().print(found.table())

@@ -17,7 +17,7 @@ from rich.segment import Segment
 from rich.table import Table
 from rich.text import Text
 
-from stickslip_units import EXACT, number, scale_for, shown_in, told
+from stickslip_units import scale_for
 
 if TYPE_CHECKING:
     import xarray
@@ -26,7 +26,6 @@ if TYPE_CHECKING:
     from stickslip.runs import Run
     from stickslip_design.identify.model import Identified
     from stickslip_design.report.tables import Grid
-    from stickslip_design.reversal.study import Reversals
     from stickslip_design.verdict import Verdict
     from stickslip_ref import CriticalVelocity, Regime
     from stickslip_score import Compared, Score
@@ -372,7 +371,6 @@ def _results(found: xarray.Dataset) -> Table:
     return grid(("result", "unit", "least", "greatest", "NaN", "meaning"), rows, texts=(0, 1, 5))
 
 
-_NONE: Final = 0.5e-9
 _HELD: Final = re.compile(r"(?<=[\d∞→]) |(?<![,;]) (?=[\d∞])")
 """The blanks between a name, its number and its unit."""
 _NO_BREAK: Final = "\N{BRAILLE PATTERN BLANK}"
@@ -427,29 +425,6 @@ def identified_summary(found: Identified, source: str, then: str) -> RenderableT
         *map(Text, next_one),
         Text(then, "bold"),
     )
-
-
-def reversal_summary(found: Reversals) -> RenderableType:
-    """Make the summary of circular tests and reversal values, in 80 columns."""
-    rows = []
-    for each in found.circles:
-        circle = f"{number(60.0 * each.feed, EXACT)} m/min, R {told(each.radius, 'm', EXACT)}"
-        share, width = number(100.0 * each.share, EXACT), number(1e3 * each.glitch.width)
-        lengths = (each.G_b, each.G, each.H, each.D, *each.F, each.glitch.height)
-        rows.append((circle, f"{share} %", *map(_micrometres, lengths), width))
-    names = ("G(b)", "G", "H", "D", "F max", "F min", "glitch")
-    head = ("circle", "fed\nforward", *(f"{name}\nµm" for name in names), "width\nmm")
-    values = [
-        f"reversal value B of {axis}: {_micrometres(B)} µm, reached at {told(feed, 'm/s', EXACT)}"
-        for axis, B, feed in found.values
-    ]
-    taken = [f"assumed: {key} {value}, {reason}" for key, value, reason in found.assumed]
-    return Group(Fitted([grid(head, rows, padding=(0, 0, 0, 1))]), *map(Text, (*values, *taken)))
-
-
-def _micrometres(length: float) -> str:
-    """Return a length [m] in µm; below half a nanometre it is 0."""
-    return shown_in(length if abs(length) >= _NONE else 0.0, "m")
 
 
 def of_grid(shown: Grid) -> RenderableType:

@@ -10,14 +10,13 @@ a force along the way only shifts.
 from __future__ import annotations
 
 import math
-import warnings
 from collections.abc import Callable, Iterator, Sequence
 from itertools import pairwise
 from typing import Final, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.integrate import ODEintWarning, odeint
+from scipy.integrate import odeint
 
 from stickslip_ref import STRIBECK
 from stickslip_units import EXACT, told
@@ -28,6 +27,7 @@ from ..one_thread import one_thread
 
 Vector = NDArray[np.float64]
 Matrix = NDArray[np.float64]
+Over = Callable[[float], float]
 
 ROLLING: Final = 25e-6
 """Presliding of a rolling way [m]: friction has turned over by 95 % after 3.7 times as much, and
@@ -38,25 +38,15 @@ _ROLLS: Final = 0.01
 """Kinetic coefficient up to which a way is taken to roll, as by the catalogue of measures."""
 _V_S: Final = 1e-3
 """Speed over which friction falls where two coefficients are all that is stated [m/s]."""
-_BY_DAMPING: Final = 0.1
-"""The most that sigma_1 times the speed comes to, over kinetic friction: in presliding friction
-follows the way, hardly the speed."""
 _LEAST: Final = 1e-3
 """Least dry friction, over the break-away force: the law divides by it."""
-_RTOL: Final = 1e-8
-_ATOL: Final = 1e-12
-"""Error of a position in a step [m]. LSODA finds the kink of |x_dot| at a reversal by its step: as
-good there, to 0.1 nm of 20 um, as stopped at it."""
-_PER_SECOND: Final = 1e2
-_PER_METRE: Final = 1e7
+_RTOL, _ATOL = 1e-8, 1e-12
+"""Error of a step, of a position in [m]. LSODA finds the kink of |x_dot| at a reversal by its step:
+as good there, to 0.1 nm of 20 um, as stopped at it."""
+_PER_SECOND, _PER_METRE = 1e2, 1e7
 """Error of a speed [1/s] and a force [N/m] over that of a position."""
-_MOST_STEPS: Final = 1_000_000
-_UNDERFLOW: Final = 700.0
-_ROUNDING: Final = 1e-9
-
-SPEED, ACCELERATION, FORWARD = range(3)
-"""What drives the motion: speed [m/s] and acceleration [m/s2] of the command, force that is fed
-forward [N]. Their columns follow those of the state."""
+_MOST: Final = 3_000_000
+"""Most evaluations of a motion, half a minute."""
 
 
 class Contact(NamedTuple):
@@ -66,37 +56,22 @@ class Contact(NamedTuple):
     """Place of its speed in the state."""
     mass: float
     """[kg]."""
-    slip: Callable[[float], float]
+    slip: Over
     """Friction in slip [N] over the speed [m/s]."""
     kinetic: float
     """That of a fast slip [N]."""
     sigma_0: float
     """Stiffness of the presliding [N/m]."""
+    sigma_1: float
+    """Its damping at rest [N.s/m]: critical for the mass on sigma_0 alone."""
+    v_d: float
+    """Speed over which that falls [m/s], so that it adds a tenth of kinetic friction at most: in
+    presliding friction follows the way, hardly the speed. The law is passive then."""
 
-    @property
-    def sigma_1(self) -> float:
-        """Damping of the presliding at rest [N.s/m]: critical for the mass on sigma_0 alone."""
-        return 2.0 * math.sqrt(self.sigma_0 * self.mass)
-
-    @property
-    def v_d(self) -> float:
-        """Speed over which that falls as exp(-(u/v_d)^2) [m/s]; the law is passive then."""
-        return _BY_DAMPING * math.sqrt(2.0 * math.e) * self.kinetic / self.sigma_1
-
-    def damping(self, v: float) -> float:
-        """Return the damping of the presliding [N.s/m] at a speed [m/s]."""
-        return self.sigma_1 * math.exp(-min((v / self.v_d) ** 2, _UNDERFLOW))
-
-
-class Command(NamedTuple):
-    """A motion of the set point that is smooth between its knots."""
-
-    speed: Callable[[float], float]
-    """[m/s] over the time [s]."""
-    acceleration: Callable[[float], float]
-    """[m/s2] over the time [s]."""
-    knots: Sequence[float]
-    """Start, the times at which it turns back or has a corner, and end [s]."""
+    def force(self, v: float, z: float) -> tuple[float, float]:
+        """Return friction [N] and the rate of the bristles [m/s], from speed and bristles [m]."""
+        z_dot = v - self.sigma_0 * abs(v) * z / self.slip(abs(v))
+        return self.sigma_0 * z + self.sigma_1 * math.exp(-((v / self.v_d) ** 2)) * z_dot, z_dot
 
 
 class Follower:
@@ -105,8 +80,8 @@ class Follower:
     Attributes
     ----------
     rates
-        Matrix of d state/dt without dry friction: a column for each place of the state, then one
-        for each of `SPEED`, `ACCELERATION`, `FORWARD`.
+        Matrix of d state/dt without dry friction: a column for each place of the state, then those
+        of speed [m/s] and acceleration [m/s2] of the command and of the force fed forward [N].
     table
         Place of the table's deviation from the command [m]; that of its speed follows.
     contacts
@@ -122,60 +97,55 @@ class Follower:
         roots = np.linalg.eigvals(self.rates[:, : self.size])
         self.decay = -float(roots.real.max())
         # An undamped table on a rigid drive stands at the limit.
-        if self.decay < -_ROUNDING * float(np.abs(roots).max()) or not is_stable(axis):
+        if self.decay < -1e-9 * float(np.abs(roots).max()) or not is_stable(axis):
             raise ValueError(f"{axis.name}: its loop is unstable; stickslip design says more of it")
 
-    def moving(self, speed: float, forward: float = 0.0) -> Vector:
-        """Return the state in even motion at a speed [m/s], a force [N] fed forward."""
-        drive: Vector = self.rates[:, self.size] * speed + self.rates[:, self.size + 2] * forward
-        for contact in self.contacts:
-            drive[contact.speed] -= math.copysign(contact.slip(abs(speed)), speed) / contact.mass
-        return np.asarray(np.linalg.solve(self.rates[:, : self.size], -drive), np.float64)
-
     @one_thread
-    def follow(self, command: Command, state: Vector, at: Vector, forward: float = 0.0) -> Vector:
-        """Return the table's deviation from the command [m] at some times between its knots [s].
+    def follow(
+        self, speed: Over, acceleration: Over, knots: Sequence[float], at: Vector, forward: float
+    ) -> Vector:
+        """Return the table's deviation from the command [m] at some times [s].
 
-        `state` is that at the first knot, in even motion; a force of `forward` [N] is fed forward
-        in the direction of the command. RuntimeError if the solver fails.
+        The command has a speed [m/s] and an acceleration [m/s2] over the time [s], smooth between
+        its knots: start, turns and corners, end [s]. It begins in even motion. A force of `forward`
+        [N] is fed forward in its direction. RuntimeError if it cannot be followed to its end.
         """
-        size, contacts, inputs = self.size, self.contacts, np.zeros(self.size + 3)
-        speeds = [float(state[each.speed]) + command.speed(command.knots[0]) for each in contacts]
-        bent = [
-            math.copysign(each.slip(abs(speed)) / each.sigma_0, speed)
-            for each, speed in zip(contacts, speeds, strict=True)
-        ]
+        size, inputs, left = self.size, np.zeros(self.size + 3), _MOST
+        contacts = tuple(enumerate(self.contacts, size))
 
         def rates(t: float, y: Vector) -> Vector:
-            v_c = command.speed(t)
-            inputs[:size], inputs[size], inputs[size + 1] = y[:size], v_c, command.acceleration(t)
+            nonlocal left
+            if (left := left - 1) < 0:
+                raise RuntimeError("the axis judders on and on: following it takes too long")
+            v_c = speed(t)
+            inputs[:size], inputs[size], inputs[size + 1] = y[:size], v_c, acceleration(t)
             result = np.empty(y.size)
             np.dot(self.rates, inputs, out=result[:size])
-            for place, contact in enumerate(contacts, size):
-                v, z = float(y[contact.speed]) + v_c, float(y[place])
-                z_dot = v - contact.sigma_0 * abs(v) * z / contact.slip(abs(v))
-                force = contact.sigma_0 * z + contact.damping(v) * z_dot
+            for place, contact in contacts:
+                force, result[place] = contact.force(float(y[contact.speed]) + v_c, float(y[place]))
                 result[contact.speed] -= force / contact.mass
-                result[place] = z_dot
             return result
 
-        y = np.array([*state, *bent])
+        y, v_c = np.zeros(size + len(contacts)), speed(knots[0])
+        even = self.rates[:, size] * v_c + self.rates[:, size + 2] * math.copysign(forward, v_c)
+        for place, contact in contacts:
+            y[place] = math.copysign(contact.slip(abs(v_c)), v_c) / contact.sigma_0
+            even[contact.speed] -= contact.sigma_0 * y[place] / contact.mass
+        y[:size] = np.linalg.solve(self.rates[:, :size], -even)
         scale = np.full(y.size, _ATOL)
         scale[1 : self.table + 2 : 2] *= _PER_SECOND
         scale[self.table + 2 : size] *= _PER_METRE
-        found = []
-        for begin, end in pairwise(command.knots):
-            inputs[size + 2] = math.copysign(forward, command.speed(0.5 * (begin + end)))
-            times = [begin, *at[(at >= begin) & (at < end)], end]
-            with warnings.catch_warnings():
-                warnings.simplefilter("error", ODEintWarning)
-                try:
-                    rows = odeint(
-                        rates, y, times, tfirst=True, rtol=_RTOL, atol=scale, tcrit=[end],
-                        mxstep=_MOST_STEPS,
-                    )  # fmt: skip
-                except ODEintWarning:
-                    raise RuntimeError("the motion of the axis cannot be followed") from None
+        # Backward differences of higher order swing by themselves where a servo hardly damps.
+        orders, found = 2 if self.table else 5, []
+        for begin, end in pairwise(knots):
+            inputs[size + 2] = math.copysign(forward, speed(0.5 * (begin + end)))
+            times = [begin, *at[(at > begin) & (at < end)], end]
+            rows, how = odeint(
+                rates, y, times, tfirst=True, full_output=True, rtol=_RTOL, atol=scale,
+                tcrit=[end], mxstep=_MOST, mxords=orders,
+            )  # fmt: skip
+            if "success" not in how["message"]:
+                raise RuntimeError(f"the motion of the axis cannot be followed: {how['message']}")
             y = rows[-1]
             found.append(rows[1:-1, self.table])
         return np.concatenate(found)
@@ -226,13 +196,16 @@ def _servo(axis: Axis, drive: Drive) -> tuple[Matrix, int]:
 
 
 def _contacts(axis: Axis, speed: int) -> Iterator[Contact]:
-    """Yield the dry friction of table, whose speed has that place, and motor."""
-    if axis.F_s > 0.0:
-        stiffness = axis.F_s / presliding(axis)
-        yield Contact(speed, axis.m, _slip(axis), max(axis.F_k, _LEAST * axis.F_s), stiffness)
-    if axis.drive is not None and axis.drive.dry > 0.0:
-        dry = axis.drive.dry
-        yield Contact(1, axis.drive.inertia, lambda _: dry, dry, dry / ROLLING)
+    """Yield the dry friction of the table, whose speed has that place, and of the motor."""
+    F_s, dry = axis.F_s, axis.drive.dry if axis.drive else 0.0
+    for place, mass, slip, kinetic, stiffness in (
+        (speed, axis.m, _slip(axis), max(axis.F_k, _LEAST * F_s), F_s / presliding(axis)),
+        (1, axis.drive.inertia if axis.drive else 1.0, lambda _: dry, dry, dry / ROLLING),
+    ):
+        if kinetic > 0.0:
+            sigma_1 = 2.0 * math.sqrt(stiffness * mass)
+            v_d = 0.1 * math.sqrt(2.0 * math.e) * kinetic / sigma_1
+            yield Contact(place, mass, slip, kinetic, stiffness, sigma_1, v_d)
 
 
 def presliding(axis: Axis) -> float:
@@ -241,29 +214,19 @@ def presliding(axis: Axis) -> float:
 
 
 def assumed(axis: Axis) -> Iterator[Assumed]:
-    """Yield what is taken of friction at a reversal that the axis does not state."""
-    friction = axis.friction
+    """Yield what is taken of the friction of a way that the axis does not state."""
+    friction, kind = axis.friction, "rolling" if axis.friction.mu_k <= _ROLLS else "sliding"
     if axis.F_s > 0.0 and not friction.presliding:
-        kind = "rolling way, mu_k up to" if friction.mu_k <= _ROLLS else "sliding way, mu_k above"
-        reason = f"an estimate for a {kind} {_ROLLS:g}"
-        yield Assumed("friction.presliding", told(presliding(axis), "m", EXACT), reason)
-    if axis.drive is not None and axis.drive.dry > 0.0:
-        reason = "an estimate: nut and bearings roll"
-        yield Assumed("presliding of the motor", told(ROLLING, "m", EXACT), reason)
+        way = told(presliding(axis), "m", EXACT)
+        yield Assumed("friction.presliding", way, f"an estimate for a {kind} way")
     if friction.law != "stribeck" and axis.F_s > axis.F_k:
-        reason = "two coefficients are stated"
-        yield Assumed("friction.v_s", told(_V_S, "m/s", EXACT), reason)
-    if friction.tau_s or friction.B:
-        yield Assumed("friction.mu_s", "at once", "presliding leaves no rest in which it grows")
+        yield Assumed("friction.v_s", told(_V_S, "m/s", EXACT), "two coefficients are stated")
 
 
-def _slip(axis: Axis) -> Callable[[float], float]:
+def _slip(axis: Axis) -> Over:
     """Return friction in slip [N] over the speed [m/s]."""
-    F_k, least = axis.F_k, _LEAST * axis.F_s
-    fall = axis.F_s - F_k
+    F_k, fall, least = axis.F_k, axis.F_s - axis.F_k, _LEAST * axis.F_s
     if axis.friction.law == "stribeck":
         p = STRIBECK.complete(axis.block(1.0), axis.friction.own)
         return lambda v: max(STRIBECK.slip_friction(p, v), least)
-    if fall == 0.0:
-        return lambda v: F_k
-    return lambda v: max(F_k + fall * math.exp(-min((v / _V_S) ** 2, _UNDERFLOW)), least)
+    return lambda v: max(F_k + fall * math.exp(-((v / _V_S) ** 2)), least)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from itertools import groupby
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING
 
 import matplotlib as mpl
 import numpy as np
@@ -15,58 +15,54 @@ from stickslip_units import EXACT, number, told
 from stickslip_verification.report.svg import BLUE, GREY, INK, ORANGE, STYLE
 
 from .circle import ANGLES, Circle
+from .follower import Matrix
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-_RINGS: Final = 4
-"""Rings on either side of the circle."""
-_RING: Final = 0.12
-"""Distance of two rings, over the radius that is drawn."""
-_SIDE: Final = 3.4
-"""Side of a panel [in]."""
+_RINGS, _RING = 4, 0.12
+"""Rings on either side of the circle, and their distance over the radius that is drawn."""
+_SIDE, _EACH = 3.4, 4
+"""Side of a panel [in]; of so many points one is drawn."""
 
 
-def circles(tests: Sequence[Circle]) -> Figure:
+def circles(tests: Sequence[Circle], paths: Sequence[Matrix]) -> Figure:
     """Draw each circle: in a row the parts that are fed forward, or of a single part the feeds."""
     several = len({each.share for each in tests}) > 1
-    grouped = groupby(tests, lambda each: (each.radius, each.feed * several))
+    pairs = zip(tests, paths, strict=True)
+    grouped = groupby(pairs, lambda pair: (pair[0].radius, pair[0].feed * several))
     rows = [list(row) for _, row in grouped]
     columns = max(map(len, rows))
     # All panels have one scale: 1, 2 or 5 of a decade.
-    most = max(np.abs((each.counterclockwise, each.clockwise)).max() for each in tests)
-    step = max(float(most) / _RINGS, 1e-9)
+    step = max(float(np.abs(paths).max()) / _RINGS, 1e-9)
     decade = 10.0 ** math.floor(math.log10(step))
     step = next(each * decade for each in (1.0, 2.0, 5.0, 10.0) if each * decade >= step)
     with mpl.rc_context(STYLE):
         page = Figure(figsize=(_SIDE * columns, (_SIDE + 0.3) * len(rows)), layout="constrained")
         panels = page.subplots(len(rows), columns, squeeze=False)
-        for panel in panels.flat:
-            panel.set_axis_off()
         for row, places in zip(rows, panels, strict=True):
-            for test, panel in zip(row, places, strict=False):
-                _draw(panel, test, step)
-        handles, labels = panels[0, 0].get_legend_handles_labels()
-        page.legend(handles, labels, loc="outside lower center", ncols=2, frameon=False)
+            for panel, (test, both) in zip(places, row, strict=True):
+                _draw(panel, test, both, step)
+        names = panels[0, 0].get_legend_handles_labels()
+        page.legend(*names, loc="outside lower center", ncols=2, frameon=False)
         page.suptitle(f"from ring to ring {told(step, 'm', EXACT)}", fontsize=9.0, color=INK)
     return page
 
 
-def _draw(panel: Axes, test: Circle, step: float) -> None:
-    angles = np.append(ANGLES, ANGLES[0])
+def _draw(panel: Axes, test: Circle, both: Matrix, step: float) -> None:
+    angles = np.append(ANGLES[::_EACH], 0.0)
     for ring in range(-_RINGS, _RINGS + 1):
-        at, width = 1.0 + _RING * ring, 0.9 if ring == 0 else 0.4
+        at, width = 1.0 + _RING * ring, 0.4 if ring else 0.9
         panel.plot(at * np.cos(angles), at * np.sin(angles), color=GREY, lw=width)
-    for path, color, label in (
-        (test.counterclockwise, BLUE, "counterclockwise"),
-        (test.clockwise, ORANGE, "clockwise"),
-    ):
-        radius = 1.0 + _RING / step * np.append(path, path[0])
-        x, y = radius * np.cos(angles), radius * np.sin(angles)
+    looks = (BLUE, "counterclockwise"), (ORANGE, "clockwise")
+    for path, (color, label) in zip(both, looks, strict=True):
+        away = 1.0 + _RING / step * np.append(path[::_EACH], path[0])
+        x, y = away * np.cos(angles), away * np.sin(angles)
         panel.plot(x, y, color=color, lw=1.2, label=label)
-    said = f"G(b) {told(test.G_b, 'm')}\nH {told(test.H, 'm')}\nglitch "
-    panel.text(0.0, 0.0, said + told(test.glitch.height, "m"), ha="center", va="center")
+    lengths = {"G(b)": test.G_b, "H": test.H, "glitch": test.glitch.height}
+    said = "\n".join(f"{name} {told(length, 'm')}" for name, length in lengths.items())
+    panel.text(0.0, 0.0, said, ha="center", va="center", fontsize=8.5)
     forward = f"{number(100.0 * test.share, EXACT)} %" if test.share else "none"
-    where = f"{number(60.0 * test.feed, EXACT)} m/min, R {told(test.radius, 'm', EXACT)}"
-    panel.set_title(f"{where}\nfriction fed forward: {forward}", fontsize=9.0)
+    panel.set_title(f"{test.name}\nfriction fed forward: {forward}", fontsize=9.0)
     panel.set_aspect("equal")
+    panel.set_axis_off()
