@@ -55,7 +55,8 @@ class LuGre(FrictionLaw):
             if abs(self._level(speed.context, n, band)) >= _fades(speed.context, own["v_d"], 2):
                 return force
             rate = rate * (-((speed / own["v_d"]) ** 2)).exp()
-        return force + rate * own["sigma_1"]
+        force += rate * own["sigma_1"]
+        return force
 
     def rates_between(
         self, n: Numbers, band: int, speed: Series, state: Sequence[Series]

@@ -62,7 +62,8 @@ class RateState(FrictionLaw):
         backward = ratio.term(0) < 0
         size = -ratio if backward else ratio
         logarithm: Series = (size + (size * size + 1) ** 0.5).log()
-        return logarithm * (-resistance if backward else resistance)
+        force: Series = logarithm * (-resistance if backward else resistance)
+        return force
 
     def rates_between(
         self, n: Numbers, band: int, speed: Series, state: Sequence[Series]

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
+from itertools import product
 from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import uniform_filter1d
+from scipy.signal import find_peaks
 
 from stickslip_score import scatter_of
 
@@ -44,8 +46,8 @@ class Run:
     t: Floats
     speed: float
     """Of the spring's end [m/s]; NaN: not known."""
-    x: Floats | None
-    F: Floats | None
+    columns: dict[str, Floats]
+    """"x" [m] and "F" [N], as far as there are."""
     sign: float
     start: float = -math.inf
     """When the command begins at rest, before [s]; minus infinity: not in the record."""
@@ -75,8 +77,9 @@ class Run:
 
     def at(self, some: slice | NDArray[np.bool_]) -> Run:
         """Return some of its samples."""
-        x, F = (None if s is None else s[some] for s in (self.x, self.F))
-        return replace(self, t=self.t[some], x=x, F=F)
+        return replace(
+            self, t=self.t[some], columns={name: s[some] for name, s in self.columns.items()}
+        )
 
 
 def digit_of(s: Floats) -> float:
@@ -104,13 +107,11 @@ def runs_of(record: Record, axis: Axis | None) -> list[Run]:
         if command is not None and not runs and 0 < begin < rest + _LEAST_SAMPLES:
             # From a rest on, the spring is drawn by what the command has gone since.
             start = float(t[begin] - (level - np.mean(command[: rest + 1])) / speed)
-        some = slice(begin, end + 1, -(-(end - begin) // _MOST))
         way = x[end] - x[begin] if math.isnan(speed) and x is not None else speed
         sign = -1.0 if way < 0.0 else 1.0
-        run = Run(
-            t[some], abs(speed), None if x is None else sign * x[some],
-            None if F is None else sign * F[some], sign, start,
-        )  # fmt: skip
+        columns = {name: sign * s for name, s in (("x", x), ("F", F)) if s is not None}
+        run = Run(t, abs(speed), columns, sign, start)
+        run = run.at(slice(begin, end + 1, -(-(end - begin) // _MOST)))
         runs.append(_turned(run, shows=shows))
     if not runs:
         raise ValueError("the command does not move long enough at one speed")
@@ -138,69 +139,50 @@ def _straight(t: Floats, s: Floats) -> list[tuple[int, int, float, float]]:
 
 def _turned(run: Run, *, shows: bool) -> Run:
     """Return a run with the turns of its spring, and whether the table rests, if it `shows`."""
-    best, clearest = (run.t, 1, 0.0, list[int](), list[int](), 0.0), 0.0
-    for s, degree in ((run.F, 1), (run.x, 0)):
-        if s is None:
-            continue
+    turned, clearest = replace(run, still="the spring does not turn twice at one feed"), 0.0
+    for name, s in run.columns.items():
+        degree, rough = (1, _STRAIGHT) if name == "F" else (0, _RESTS)
         speed = run.speed if math.isfinite(run.speed) else float(np.polyfit(run.t, s, 1)[0])
         u = s if degree else speed * (run.t - run.t[0]) - s
         noise = max(float(np.nan_to_num(scatter_of(run.t, s))), 0.3 * digit_of(s))
-        for width in _WIDTHS:
-            highs, lows = _turns(uniform_filter1d(u, width), _OF_NOISE * noise / math.sqrt(width))
-            if lows:
-                break
-        swing = float(np.median(u[highs[: len(lows)]] - u[lows])) if lows else 0.0
+        highs, lows, swing = _turns(u, noise)
         clear = len(lows) * swing / max(noise, 1e-3 * swing, 1e-300)
-        if clear > clearest:
-            best, clearest = (s, degree, noise, highs, lows, swing), clear
-    column, degree, noise, highs, lows, swing = best
-    if len(highs) < 2 or not lows:
-        return replace(run, still="the spring does not turn twice at one feed")
-    rests, still, rough = 0, "", _STRAIGHT if degree else _RESTS
-    for low, high in zip(lows, highs[1:], strict=False):
-        part = slice(low + (high - low) // 4, high - (high - low) // 4)
-        t, s = run.t[part] - run.t[low], column[part]
-        off = s - np.polyval(np.polyfit(t, s, degree), t) if t.size > 2 else np.zeros(1)
-        rests += float(np.sqrt(np.mean(off**2))) < math.hypot(rough * swing, 1.3 * noise)
-    if shows and rests < 2:
-        still = f"the table rests between {rests} of {len(highs)} slips only"
-    return replace(run, highs=tuple(run.t[highs]), lows=tuple(run.t[lows]), still=still)
-
-
-def _turns(u: Floats, least: float) -> tuple[list[int], list[int]]:
-    """Return where a saw tooth turns down, and after that up, in cycles that are alike."""
-    for share in _SWINGS:
-        size = share * float(np.ptp(u))
-        if size < least:
-            break
-        highs, lows = _zigzag(u.tolist(), size)
-        pairs = min(len(highs), len(lows))
-        if pairs < 2:
+        if clear <= clearest or len(highs) < 2:
             continue
-        swings = u[highs[:pairs]] - u[lows[:pairs]]
+        rests, clearest = 0, clear
+        for low, high in zip(lows, highs[1:], strict=False):
+            part = slice(low + (high - low) // 4, high - (high - low) // 4)
+            t, y = run.t[part] - run.t[low], s[part]
+            off = y - np.polyval(np.polyfit(t, y, degree), t) if t.size > 2 else np.zeros(1)
+            rests += float(np.sqrt(np.mean(off**2))) < math.hypot(rough * swing, 1.3 * noise)
+        why = f"the table rests between {rests} of {len(highs)} slips only"
+        turned = replace(
+            run, highs=tuple(run.t[highs]), lows=tuple(run.t[lows]),
+            still=why if shows and rests < 2 else "",
+        )  # fmt: skip
+    return turned
+
+
+def _turns(u: Floats, noise: float) -> tuple[NDArray[np.intp], NDArray[np.intp], float]:
+    """Return where a saw tooth turns down, and after that up, in cycles that are alike; its swing.
+
+    The means are as short, and the turns as large, as shows cycles.
+    """
+    for width, share in product(_WIDTHS, _SWINGS):
+        smooth = uniform_filter1d(u, width)
+        size = share * float(np.ptp(smooth))
+        if size < _OF_NOISE * noise / math.sqrt(width):
+            continue
+        highs, lows = (
+            # Where a top is cut off, its begin.
+            find_peaks(side * smooth, prominence=size, plateau_size=0)[1]["left_edges"]
+            for side in (1.0, -1.0)
+        )
+        lows = lows[lows > highs[0]] if highs.size else lows
+        if (pairs := min(highs.size, lows.size)) < 2:
+            continue
+        swings = smooth[highs[:pairs]] - smooth[lows[:pairs]]
         middle = float(np.median(swings))
         if np.all(np.abs(swings - middle) < _ALIKE * middle) and middle > 1.5 * size:
-            return highs, lows
-    return [], []
-
-
-def _zigzag(u: list[float], size: float) -> tuple[list[int], list[int]]:
-    """Return the turns of more than a size, the first one a high."""
-    highs: list[int] = []
-    lows: list[int] = []
-    top = bottom = 0
-    rising = True
-    for i, value in enumerate(u):
-        if rising:
-            if value > u[top]:
-                top = i
-            elif value < u[top] - size:
-                highs.append(top)
-                rising, bottom = False, i
-        elif value < u[bottom]:
-            bottom = i
-        elif value > u[bottom] + size:
-            lows.append(bottom)
-            rising, top = True, i
-    # A fall in which the record begins has no high.
-    return (highs[1:], lows[1:]) if highs and highs[0] == 0 else (highs, lows)
+            return highs, lows, middle
+    return np.empty(0, np.intp), np.empty(0, np.intp), 0.0

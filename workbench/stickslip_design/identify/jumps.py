@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable
-from dataclasses import dataclass, field, replace
+from collections.abc import Iterator, Sequence
 from typing import Final
 
 import numpy as np
@@ -14,12 +13,12 @@ from scipy.stats import t as student
 from stickslip_score import Solution, by_cycle
 
 from ..axis import Axis
-from .block import DRIFTS as _DRIFTS
-from .block import Block, fitted, measured, noise_of, one_by_one, shown
+from .block import DRIFTS, Block, fitted_block, noise_of
 from .cycles import Run, runs_of
-from .looped import begun, fitted_loop
+from .looped import Loop, fitted_loops
 from .model import Floats, Identified, Number, Record, Residual, Trace
-from .nonlinear import Fitted
+from .noise import memory_of
+from .nonlinear import Fitted, Motion
 
 _SPARSE: Final = 1.0
 """Radians of the slip between two samples, above which it is not seen."""
@@ -37,6 +36,8 @@ _CLEARLY: Final = 4.0
 """Of Akaike's criterion: the better law."""
 _DRAWN: Final = 3000
 """Samples of a trace."""
+_PARTS: Final = 24
+"""Cycles that are fitted one by one, where they differ."""
 _MUCH: Final = 0.3
 """Of the time in which the command moves: in cycles."""
 _ONE_WAY: Final = 0.8
@@ -53,6 +54,25 @@ _BY_SPEED: Final = ("gap", "axis.stiffness", "axis.mass", "axis.c")
 _WHYS: Final = dict.fromkeys(_LEVELS, "the zero of the force is taken as true") | dict.fromkeys(
     _COEFFICIENTS, "the spring is taken as relaxed before the command begins"
 )
+_LOAD_UP: Final = (
+    "the position tells (F_s - F_k)/k; a load-up from a relaxed spring tells them apart"
+)
+_MEANINGS: Final = {
+    "k/m": ("square of the natural frequency", "1/s2"),
+    "c/m": ("viscous friction over mass", "1/s"),
+    "gap": ("(F_s - F_k)/k: spring between static and kinetic friction", "m"),
+    "axis.stiffness": ("stiffness of the spring", "N/m"),
+    "axis.mass": ("mass of table and workpiece", "kg"),
+    "axis.c": ("viscous friction of the guideway", "N.s/m"),
+    "F_s - F_k": ("static less kinetic friction", "N"),
+    "friction.F_s": ("static friction", "N"),
+    "friction.F_k": ("kinetic friction, without its viscous part", "N"),
+    "friction.mu_s": ("static coefficient", "1"),
+    "friction.mu_k": ("kinetic coefficient", "1"),
+}
+
+Fits = Sequence[Fitted[Block]] | Sequence[Fitted[Loop]]
+"""Of runs at several feeds, or of their cycles; of a loop others that are as good."""
 
 
 def is_stick_slip(record: Record, axis: Axis | None = None) -> str:
@@ -75,384 +95,271 @@ def is_stick_slip(record: Record, axis: Axis | None = None) -> str:
 def _is_even(run: Run, record: Record) -> bool:
     """Return whether cycles come evenly, and fall by more than the counts of an encoder."""
     highs, lows = np.array(run.highs), np.array(run.lows)
-    spans = np.diff(highs)
+    spans, x, F = np.diff(highs), run.columns.get("x"), run.columns.get("F")
     uneven = float(np.std(spans) / np.mean(spans)) if len(spans) > 2 else math.inf
     if _EVENLY < uneven < math.inf:
         return False
-    if run.x is None:
+    if x is None:
         return True
     speed = run.speed
     if math.isnan(speed):
         # Without a command the table goes one way.
-        if abs(run.x[-1] - run.x[0]) < _ONE_WAY * np.ptp(run.x):
+        if abs(x[-1] - x[0]) < _ONE_WAY * np.ptp(x):
             return False
-        speed = float(np.polyfit(run.t, run.x, 1)[0])
-    behind = speed * run.t - run.x
-    doubtful = run.F is not None and uneven > _VERY_EVENLY
-    if doubtful and np.corrcoef(behind, run.F)[0, 1] < _TOGETHER:
+        speed = float(np.polyfit(run.t, x, 1)[0])
+    behind = speed * run.t - x
+    if F is not None and uneven > _VERY_EVENLY and np.corrcoef(behind, F)[0, 1] < _TOGETHER:
         return False
     pairs = min(len(highs), len(lows))
-    fall = np.diff([np.interp(at[:pairs], run.t, run.x) for at in (highs, lows)], axis=0)
-    fall = fall - speed * (lows - highs[:pairs])
+    fall = np.diff([np.interp(at[:pairs], run.t, -behind) for at in (highs, lows)], axis=0)
     return float(np.median(fall)) > _COUNTS * 2.0 * record.rounding.get("position", 0.0)
 
 
 def stick_slip(record: Record, axis: Axis | None = None) -> Identified:
     """Return what a record of stick-slip tells; ValueError if it shows fewer than two slips."""
-    runs = runs_of(record, axis)
-    reason = is_stick_slip(record, axis)
-    found = [run for run in runs if not run.still]
-    if not found:
-        raise ValueError(f"no two slips in a row: {runs[0].still}")
+    every, reason = runs_of(record, axis), is_stick_slip(record, axis)
+    runs = [run for run in every if not run.still]
+    if not runs:
+        raise ValueError(f"no two slips in a row: {every[0].still}")
+    fits: Fits
+    notes, faults, unknown, has_force = [], [], {}, "F" in runs[0].columns
     if axis is not None and axis.drive is not None:
-        return _of_servo(record, axis, max(found, key=lambda run: len(run.lows)), reason)
-    return _of_block(record, axis, found, reason)
-
-
-@dataclass
-class _Told:
-    """Numbers that are told, and what is not."""
-
-    numbers: list[Number] = field(default_factory=list)
-    untold: list[tuple[str, str]] = field(default_factory=list)
-    notes: list[str] = field(default_factory=list)
-    faults: list[str] = field(default_factory=list)
-
-
-_MEANINGS: Final = {
-    "k/m": ("square of the natural frequency", "1/s2"),
-    "c/m": ("viscous friction over mass", "1/s"),
-    "gap": ("(F_s - F_k)/k: spring between static and kinetic friction", "m"),
-    "axis.stiffness": ("stiffness of the spring", "N/m"),
-    "axis.mass": ("mass of table and workpiece", "kg"),
-    "axis.c": ("viscous friction of the guideway", "N.s/m"),
-    "F_s - F_k": ("static less kinetic friction", "N"),
-    "friction.F_s": ("static friction", "N"),
-    "friction.F_k": ("kinetic friction, without its viscous part", "N"),
-    "friction.mu_s": ("static coefficient", "1"),
-    "friction.mu_k": ("kinetic coefficient", "1"),
-}
-
-
-def number_of(name: str, value: float, low: float, high: float, why: str = "") -> Number:
-    """Return a number by its name."""
-    meaning, unit = _MEANINGS[name]
-    if name in ("c/m", "axis.c"):
-        # Friction brakes: below 0 noise alone has moved it.
-        value, low, high = max(value, 0.0), max(low, 0.0), max(high, high - value, 0.0)
-    return Number(
-        name=name, meaning=meaning, unit=unit, value=value, low=low, high=high,
-        why=why,
-    )  # fmt: skip
-
-
-def _of_block(record: Record, axis: Axis | None, runs: list[Run], reason: str) -> Identified:
-    told = _Told()
-    block = Block(tuple(run.from_rest() for run in runs), noise_of(record, runs))
-    own = block.noise
-    block, found = _with_extras(*fitted(block), told)
-    cycles = sum(len(run.highs) for run in block.runs)
-    told.faults += _faults(_phases(block, found.value), found)
-    told.faults += _misfits(block, found, own)
-    singly, drifts = bool(told.faults), _DRIFTS[0] in block.extras
-    if singly:
-        block, found = one_by_one(block, found)
-    _tell(block, found, axis, singly, drifts, told)
+        fits = fitted_loops(record, axis, max(runs, key=lambda run: len(run.lows)))
+        faults = [*_faults(fits[:1]), *_faults_of_loop(fits[0])]
+        if not has_force:
+            unknown = dict.fromkeys(
+                _LEVELS, "without the force of the motor its level is not in the record"
+            )
+    else:
+        blocks, found = _with_extras([fitted_block(record, run) for run in runs])
+        faults = [*_faults(blocks), *_misfits(blocks, record)]
+        if math.isnan(runs[0].speed) and "x" not in runs[0].columns:
+            unknown = dict.fromkeys(
+                _BY_SPEED, "the speed of the spring's end is not in the record: state one feed"
+            )
+        if any(DRIFTS[0] in one.motion.extras for one in blocks):
+            unknown |= dict.fromkeys(_LEVELS, "the zero of the force drifts")
+        elif has_force and (axis is None or axis.along == 0.0):
+            found.append("a constant force along the way, if there is one, is in the friction")
+        if not has_force and runs[0].start == -math.inf:
+            unknown = dict.fromkeys(_COEFFICIENTS, _LOAD_UP)
+        if faults:
+            parts = [part for one in blocks for part in one.motion.parted(one.value, _PARTS)]
+            blocks = parts if len(parts) > 1 else blocks
+        elif len(blocks) > 1:
+            gap, spread, *_ = _figures(blocks, axis)["gap"].T
+            motions = [one.motion.motion(one.value) for one in blocks]
+            note, rival = _law_of_gaps(gap, spread, motions)
+            notes += [note] * bool(note)
+            unknown |= {"how friction ages": rival} if rival else {}
+        fits, notes = blocks, [*notes, *found]
+    every_number = _numbers(fits, _figures(fits, axis), parted=bool(faults))
+    numbers = [number for number in every_number if number.name not in unknown]
+    fits = fits[:1] if isinstance(fits[0].motion, Loop) else fits
     return Identified(
-        kind="stick-slip", reason=reason, numbers=tuple(told.numbers), missing=tuple(told.untold),
-        residual=_residual(block, found, tuple(told.faults)), traces=_traces(record, block, found),
-        segments=_segments(block, found), notes=tuple(told.notes),
-        next_measurement=_following(told, cycles),
+        kind="stick-slip", reason=reason, numbers=tuple(numbers), missing=tuple(unknown.items()),
+        residual=_residual(fits, tuple(faults)), traces=tuple(_traces(record, fits)),
+        segments=tuple(part for one in fits for part in one.motion.segments(one.value)),
+        notes=tuple(notes), next_measurement=_following(numbers, unknown, fits),
     )  # fmt: skip
 
 
-def _with_extras(block: Block, found: Fitted, told: _Told) -> tuple[Block, Fitted]:
-    """Return the fit with what else the record shows: a drift of the force, or a delay."""
-    both = block.has_force and block.runs[0].x is not None
-    for names in (_DRIFTS,) * block.has_force + (("delay",),) * both:
-        wider = replace(block, extras=(*block.extras, *names))
-        wider, one = wider.fitted(wider.carried(block, found.value))
-        at = [place[name] for _, place in wider.places() for name in names]
-        moved, some = one.value[at], one.covariance[np.ix_(at, at)]
-        if chi2.sf(moved @ np.linalg.pinv(some, hermitian=True) @ moved, len(at)) > _SURELY:
-            continue
-        block, found = wider, one
-        told.notes.append(
-            f"the force is {1e3 * float(np.median(moved)):.3g} ms behind the position"
-            if names == ("delay",)
-            else "the zero of the force drifts: it tells differences of forces only"
+def _with_extras(fits: list[Fitted[Block]]) -> tuple[list[Fitted[Block]], list[str]]:
+    """Return fits with what else the record shows: a drift of the force, or a delay; and say it."""
+    notes = []
+    columns = fits[0].motion.noise
+    for names in (DRIFTS,) * ("F" in columns) + (("delay",),) * (len(columns) > 1):
+        wider = [one.motion.more(one, *names) for one in fits]
+        moved = np.array([one.value[-len(names) :] for one in wider])
+        some = [one.covariance[-len(names) :, -len(names) :] for one in wider]
+        square = sum(
+            by @ np.linalg.pinv(C, hermitian=True) @ by for by, C in zip(moved, some, strict=True)
         )
-    return block, found
+        if chi2.sf(square, moved.size) < _SURELY:
+            fits = wider
+            notes.append(
+                f"the force is {1e3 * float(np.median(moved)):.3g} ms behind the position"
+                if names == ("delay",)
+                else "the zero of the force drifts: it tells differences of forces only"
+            )
+    return fits, notes
 
 
-def _phases(block: Block, n: Floats) -> list[tuple[Run, Floats, float]]:
-    """Return runs, the times since their first break-away, and their period [s]."""
-    return [
-        (run, run.t - n[place["t_break"]], motion.figures()["period"])
-        for (run, place), motion in zip(block.places(), block.solutions(n), strict=True)
-    ]
-
-
-def _faults(phases: Iterable[tuple[Run, Floats, float]], found: Fitted) -> list[str]:
-    """Return what the residual shows that the model has not.
-
-    Of runs the times since their first break-away, and their period [s].
-    """
-    parts = iter(zip(found.residual, found.memory, strict=True))
+def _faults(fits: Fits) -> Iterator[str]:
+    """Yield what residuals show that the model has not."""
     shapes, wanders, ends = set(), False, False
-    for run, after, period in phases:
-        for name in shown(run):
-            r, memory = next(parts)
-            ends |= math.isnan(period)
+    for one in fits:
+        t, (after, period) = one.motion.run.t, one.motion.cycles(one.value)
+        ends |= math.isnan(period)
+        for name, r in zip(one.motion.noise, one.residual, strict=True):
             if math.isnan(period) or np.mean(r * r) < _NOTHING:
                 continue
-            step = float(np.median(np.diff(run.t)))
-            if by_cycle(run.t, r, after, period)[0] and after[-1] >= 3.0 * period:
+            if by_cycle(t, r, after, period)[0] and after[-1] >= 3.0 * period:
                 shapes.add(_COLUMNS[name])
-            wanders |= memory.samples * step > period
-    faults = ["the nearest motion of the block does not stick again"] * ends
+            wanders |= memory_of([r - np.mean(r)]).samples * _step(t) > period
+    if ends:
+        yield "the nearest motion of the block does not stick again"
     if shapes:
-        faults.append(
+        yield (
             f"the residual of the {' and '.join(sorted(shapes))} repeats from cycle to cycle: "
             "friction or spring are not of the block's kind"
         )
     if wanders:
-        faults.append("the cycles are not alike: break-away or zero wander from cycle to cycle")
-    return faults
+        yield "the cycles are not alike: break-away or zero wander from cycle to cycle"
 
 
-def _misfits(block: Block, found: Fitted, own: dict[str, float]) -> list[str]:
-    """Return where the fit leaves far more than the `own` noise, or the table creeps in stick."""
+def _step(t: Floats) -> float:
+    return float(np.median(np.diff(t)))
+
+
+def _faults_of_loop(found: Fitted[Loop]) -> Iterator[str]:
+    """Yield why a fit of a loop tells nothing."""
+    axis = found.motion.candidate(found.value)
+    if math.sqrt(axis.k / axis.m) * _step(found.motion.run.t) > _SPARSE:
+        yield "the samples are too far apart to show a slip"
+    if not found.left_is_little:
+        yield "no motion of the loop is like the record: the search did not come to an end"
+
+
+def _misfits(fits: list[Fitted[Block]], record: Record) -> Iterator[str]:
+    """Yield where a fit leaves far more than the noise, or the table creeps in stick."""
+    far = dict[str, float]()
+    for one in fits:
+        own = noise_of(record, one.motion.run)
+        far |= {n: max(far.get(n, 0.0), e / own[n]) for n, e in one.motion.noise.items()}
     faults = [
-        f"the fit leaves {block.noise[name] / own[name]:.2g} times the noise of the "
-        f"{_COLUMNS[name]}: the cycles are not those of one block"
-        for name in own
-        if block.noise[name] > _FAR * own[name]
+        f"the fit leaves {times:.2g} times the noise of the {_COLUMNS[name]}: "
+        "the cycles are not those of one block"
+        for name, times in far.items()
+        if times > _FAR
     ]
-    if any(
-        math.isinf(replace(s, zeta=s.zeta + _EDGE).t_slip) for s in block.solutions(found.value)
-    ):
+    motions = [one.motion.motion(one.value) for one in fits]
+    if any(math.isinf(Solution(s.w, s.zeta + _EDGE, s.v, s.D).t_slip) for s in motions):
         faults.append("the fit ends where a slip would slide on: damping and gap are not told")
-    J, creep = np.concatenate(found.jacobian(found.value)), []
-    phases = zip(_phases(block, found.value), block.solutions(found.value), strict=True)
-    for (run, after, period), motion in phases:
-        within, t_slip = after % period, motion.t_slip
-        rise = (within - t_slip) / (period - t_slip) - 0.5
-        way = np.where(within < t_slip, 0.5 - within / t_slip, rise) * (after >= 0.0)
-        by = {"x": 1.0, "F": -math.exp(found.value[2])}
-        creep += [way * by[name] / block.noise[name] for name in shown(run)]
-    if not faults and np.isfinite(np.concatenate(creep)).all():
-        # Only what the numbers of the block cannot follow tells a creep.
-        J, seen = J / (np.linalg.norm(J, axis=0) + 1e-300), np.concatenate(creep)
-        seen -= J @ np.linalg.lstsq(J, seen, rcond=None)[0]
-        longest = max(memory.samples for memory in found.memory)
-        far = abs(seen @ np.concatenate(found.residual)) / np.linalg.norm(seen)
-        if far > _CREEPS * math.sqrt(1.0 + 2.0 * longest):
-            faults.append("the table creeps between its slips: friction is not of Coulomb's kind")
-    return faults
+    yield from faults
+    if not faults and max(map(_creeps, fits)) > _CREEPS:
+        yield "the table creeps between its slips: friction is not of Coulomb's kind"
 
 
-def _values(block: Block, axis: Axis | None, n: Floats) -> dict[str, Floats]:
-    """Return the numbers that the columns of a block show, of each run."""
-    motions, places = block.solutions(n), [place for _, place in block.places()]
-    w2, run = motions[0].w ** 2, block.runs[0]
-    c_m = 2.0 * float(n[1]) * motions[0].w
-    g, load, m = (axis.g, axis.load, axis.m) if axis else (9.81, 0.0, 1.0)
-    along = run.sign * axis.along if axis else 0.0
-    gap = np.array([s.D + 2.0 * s.zeta * s.v / s.w for s in motions])
-    values = {"k/m": np.array([w2]), "c/m": np.array([c_m]), "gap": gap}
-    if block.has_force:
-        k = math.exp(n[2])
-        F_s = np.array([n[place["F_b"]] for place in places]) + along
-        values |= {"axis.stiffness": np.array([k]), "axis.mass": np.array([k / w2])}
-        values |= {"axis.c": np.array([c_m * k / w2]), "F_s - F_k": k * gap}
-        values |= {"friction.F_s": F_s, "friction.F_k": F_s - k * gap}
-    elif run.start > -math.inf:
-        way = run.speed * (n[places[0]["t_break"]] - run.start)
-        mu_s, per = w2 * way + along / m, g + load / m
-        values["friction.mu_s"] = np.array([mu_s / per])
-        values["friction.mu_k"] = np.array([(mu_s - w2 * gap[0]) / per])
-    return values
+def _creeps(one: Fitted[Block]) -> float:
+    """Return the deviations by which the table creeps between its slips."""
+    block, (after, period) = one.motion, one.motion.cycles(one.value)
+    t_slip = block.motion(one.value).t_slip
+    within = after % period
+    rise = (within - t_slip) / (period - t_slip) - 0.5
+    way = np.where(within < t_slip, 0.5 - within / t_slip, rise) * (after >= 0.0)
+    by = {"x": 1.0, "F": -block.by_name(one.value).get("k", 0.0)}
+    seen = np.concatenate([way * by[name] / e for name, e in block.noise.items()])
+    # Only what the numbers of the block cannot follow tells a creep.
+    J = one.jacobian / (np.linalg.norm(one.jacobian, axis=0) + 1e-300)
+    seen -= J @ np.linalg.lstsq(J, seen, rcond=None)[0]
+    longest = max(memory_of([r - np.mean(r)]).samples for r in one.residual)
+    power = np.linalg.norm(seen) * math.sqrt(1.0 + 2.0 * longest)
+    return float(abs(seen @ np.concatenate(one.residual)) / power)
 
 
-def _tell(
-    block: Block, found: Fitted, axis: Axis | None, singly: bool, drifts: bool, told: _Told
-) -> None:
-    """Add the numbers that a record tells, each the mean over runs, wider where they differ."""
-    values = _values(block, axis, found.value)
-    if math.isnan(block.runs[0].speed) and block.runs[0].x is None:
-        why = "the speed of the spring's end is not in the record: state one feed"
-        told.untold += [(name, why) for name in _BY_SPEED if values.pop(name, None) is not None]
-    if drifts:
-        why = "the zero of the force drifts"
-        told.untold += [(name, why) for name in _LEVELS if values.pop(name, None) is not None]
-    for name, own in values.items():
+def _figures(fits: Fits, axis: Axis | None) -> dict[str, Floats]:
+    """Return value, deviation and interval of what fits tell, by name, shape (fits, 4)."""
+    figures = dict[str, list[tuple[float, ...]]]()
+    for one in fits:
 
-        def of(n: Floats, name: str = name) -> Floats:
-            return _values(block, axis, n)[name]
+        def of(n: Floats, motion: Motion = one.motion) -> Floats:
+            return np.array([*motion.figures(n, axis).values()])
 
-        slopes = found.gradient(of)
-        covariance = slopes.T @ found.covariance @ slopes
-        spread = np.sqrt(np.maximum(np.diag(covariance), 1e-300))
-        weight = np.ones(own.size) if singly else spread**-2.0
-        weight /= weight.sum()
-        value, half, why = float(weight @ own), 0.0, _WHYS.get(name, "")
-        deviation = math.sqrt(max(float(weight @ covariance @ weight), 0.0))
-        _, low, high = found.ends(value, deviation)
-        if own.size > 1 and singly:
-            half = float(student.ppf(0.975, own.size - 1) * np.std(own, ddof=1) / own.size**0.5)
-        elif chi2.sf(np.sum(((own - value) / spread) ** 2), own.size - 1) < _DIFFERS:
-            half, why = float(np.max(np.abs(own - value))), "it differs from feed to feed"
-        low, high = value - math.hypot(value - low, half), value + math.hypot(high - value, half)
-        told.numbers.append(number_of(name, value, low, high, why))
-        if name == "gap" and own.size > 1 and not singly:
-            _tell_gaps(own, spread, block.solutions(found.value), told)
-    if not block.has_force and "friction.mu_s" not in values:
-        why = "the position tells (F_s - F_k)/k; a load-up from a relaxed spring tells them apart"
-        told.untold += [(name, why) for name in _COEFFICIENTS]
-    if block.has_force and not drifts and (axis is None or axis.along == 0.0):
-        told.notes.append("a constant force along the way, if there is one, is in the friction")
+        names, spreads = one.motion.figures(one.value, axis), one.deviations(of).tolist()
+        for (name, value), spread in zip(names.items(), spreads, strict=True):
+            spread = max(spread, 1e-300)
+            figures.setdefault(name, []).append((value, spread, *one.ends(value, spread)))
+    return {name: np.array(some) for name, some in figures.items()}
 
 
-def _tell_gaps(gap: Floats, spread: Floats, motions: list[Solution], told: _Told) -> None:
-    """Say how the gap goes with the feed, by Akaike's criterion for few numbers."""
-    if len(gap) < 4:
-        why = "fewer than four feeds do not tell how the gap goes with them"
-        told.untold.append(("how friction ages", why))
-        return
+def _numbers(fits: Fits, figures: dict[str, Floats], *, parted: bool) -> Iterator[Number]:
+    """Yield numbers, each the mean over runs, wider where they differ; of cycles by scatter."""
+    for name, some in figures.items():
+        (own, spread, lows, highs), why = some.T, _WHYS.get(name, "")
+        weight, n = spread**-2.0 / np.sum(spread**-2.0), len(own)
+        value, low, high = float(weight @ own), float(lows[0]), float(highs[0])
+        if isinstance(fits[0].motion, Loop):
+            value, low, high = float(own[0]), float(lows.min()), float(highs.max())
+            why = "other numbers move the axis as well like this" if n > 1 else ""
+        elif parted and n > 1:
+            value = float(np.mean(own))
+            half = float(student.ppf(0.975, n - 1) * np.std(own, ddof=1)) / math.sqrt(n)
+            low, high = value - half, value + half
+        elif n > 1:
+            low, high = fits[0].ends(value, float(np.sum(spread**-2.0)) ** -0.5)
+            if chi2.sf(np.sum(((own - value) / spread) ** 2), n - 1) < _DIFFERS:
+                half, why = float(np.max(np.abs(own - value))), "it differs from feed to feed"
+                low, high = low - half, high + half
+        meaning, unit = _MEANINGS[name]
+        if name in ("c/m", "axis.c"):
+            # Friction brakes: below 0 noise alone has moved it.
+            value, low, high = max(value, 0.0), max(low, 0.0), max(high, high - value, 0.0)
+        yield Number(
+            name=name, meaning=meaning, unit=unit, value=value, low=low, high=high,
+            why=why,
+        )  # fmt: skip
+
+
+def _law_of_gaps(gap: Floats, spread: Floats, motions: list[Solution]) -> tuple[str, str]:
+    """Say how the gap goes with the feed, by Akaike's criterion for few numbers; or why not."""
+    n, scores = len(gap), dict[str, float]()
+    if n < 4:
+        return "", "fewer than four feeds do not tell how the gap goes with them"
     laws = {
-        "the gap is the same at all feeds": 0.0 * gap,
-        "the gap grows with the logarithm of the time at rest": np.log(
-            [s.relief / s.v for s in motions]
-        ),
-        "the gap falls with the speed of the slip": -np.array(
-            [s.v + s.w * s.swing() for s in motions]
-        ),
+        "the gap is the same at all feeds": [0.0] * n,
+        "the gap grows with the logarithm of the time at rest": [
+            math.log(s.relief / s.v) for s in motions
+        ],
+        "the gap falls with the speed of the slip": [-s.v - s.w * s.swing() for s in motions],
     }
-    n, scores = len(gap), {}
     for law, by in laws.items():
-        X, p = np.stack([gap**0, by], axis=1) / spread[:, None], 1 + bool(by.any())
+        X, p = np.stack([np.ones(n), by], axis=1) / spread[:, None], 1 + any(by)
         b, *_ = np.linalg.lstsq(X, gap / spread, rcond=None)
         square = float(np.sum((gap / spread - X @ b) ** 2))
         scores[law] = square + 2.0 * p * n / (n - p - 1) if b[1] >= 0.0 else math.inf
     best, following = sorted(scores, key=lambda law: scores[law])[:2]
-    told.notes.append(best)
-    if scores[following] - scores[best] < _CLEARLY:
-        told.untold.append(
-            ("how friction ages", f"{best}, or {following}: these feeds do not tell")
-        )
+    clear = scores[following] - scores[best] >= _CLEARLY
+    return best, "" if clear else f"{best}, or {following}: these feeds do not tell"
 
 
-def _residual(block: Block, found: Fitted, faults: tuple[str, ...]) -> Residual:
-    """Return what the fit leaves, of the force where there is one."""
-    name = "F" if block.has_force else "x"
-    names = [one for run in block.runs for one in shown(run)]
-    of = [m for m, n in zip(found.memory, names, strict=True) if n == name]
-    memory = max(of, key=lambda one: one.correlation.size)
-    step, lag = float(np.median(np.diff(block.runs[0].t))), max(memory.samples // 2, 1)
+def _residual(fits: Fits, faults: tuple[str, ...]) -> Residual:
+    """Return what the fits leave, of the force where there is one."""
+    name = [*fits[0].motion.noise][-1]
+    parts = [one.residual[-1] for one in fits]
+    memory = memory_of([part - np.mean(part) for part in parts])
+    step, lag = _step(fits[0].motion.run.t), max(memory.samples // 2, 1)
     return Residual(
-        rms=block.noise[name], unit=_UNITS[name], memory=memory.samples * step,
+        rms=max(one.motion.noise[name] for one in fits), unit=_UNITS[name],
+        memory=memory.samples * step,
         at=(lag * step, float(memory.correlation[lag - 1])) if memory.samples else (0.0, 0.0),
         faults=faults,
     )  # fmt: skip
 
 
-def _traces(record: Record, block: Block, found: Fitted) -> tuple[Trace, ...]:
-    traces, t = [], record.t
-    drawn = {name: np.full(t.size, math.nan) for name in shown(block.runs[0])}
-    for run, model in zip(block.runs, block.columns_of(found.value), strict=True):
-        inside = (t >= run.t[0]) & (t <= run.t[-1])
-        for name, seems in zip(shown(run), model, strict=True):
-            drawn[name][inside] = run.sign * np.interp(t[inside], run.t, seems)
-    for name, fitted_ in drawn.items():
-        measured_, every = getattr(record, _COLUMNS[name]), slice(None, None, -(-t.size // _DRAWN))
-        traces.append(
-            Trace(
-                name=_COLUMNS[name], unit=_UNITS[name], t=t[every], measured=measured_[every],
-                fitted=fitted_[every],
-            )
+def _traces(record: Record, fits: Fits) -> Iterator[Trace]:
+    """Yield the columns with the fits over them."""
+    every, t = slice(None, None, -(-record.t.size // _DRAWN)), record.t
+    for number, name in enumerate(fits[0].motion.noise):
+        fitted = np.full(t.size, math.nan)
+        for one in fits:
+            run, left = one.motion.run, one.motion.noise[name] * one.residual[number]
+            inside = (t >= run.t[0]) & (t <= run.t[-1])
+            fitted[inside] = run.sign * np.interp(t[inside], run.t, run.columns[name] - left)
+        yield Trace(
+            name=_COLUMNS[name], unit=_UNITS[name], t=t[every],
+            measured=getattr(record, _COLUMNS[name])[every], fitted=fitted[every],
         )  # fmt: skip
-    return tuple(traces)
 
 
-def _segments(block: Block, found: Fitted) -> tuple[tuple[float, float, str], ...]:
-    segments = []
-    phases = zip(_phases(block, found.value), block.solutions(found.value), strict=True)
-    for (run, after, period), motion in phases:
-        begin, t_slip = float(run.t[0] - after[0]), motion.t_slip
-        for at in begin + period * np.arange(len(run.highs) if math.isfinite(period) else 0):
-            segments += [(at, at + t_slip, "slips"), (at + t_slip, at + period, "rests")]
-    return tuple(segments)
-
-
-def _following(told: _Told, cycles: int) -> str:
+def _following(numbers: list[Number], unknown: dict[str, str], fits: Fits) -> str:
     """Return what to measure next."""
-    if not told.numbers:
+    if not numbers:
         return ""
-    widest = max(told.numbers, key=lambda number: number.width)
-    if told.untold and "load-up" in told.untold[0][1]:
+    if _LOAD_UP in unknown.values():
         return "Begin the record before the command, with the spring relaxed: for static friction."
+    widest = max(numbers, key=lambda number: number.width)
+    cycles = sum(len(one.motion.run.highs) for one in fits)
     return (
         f"{4 * cycles} cycles in place of {cycles} halve the interval of {widest.name}, the widest."
     )
-
-
-def _of_servo(record: Record, axis: Axis, run: Run, reason: str) -> Identified:
-    """Return what a run tells of a servo axis."""
-    told = _Told()
-    if math.isnan(run.speed):
-        speed = float(np.polyfit(run.t, run.x, 1)[0]) if run.x is not None else math.nan
-        run = replace(run, speed=speed)
-    if math.isnan(run.speed):
-        raise ValueError("the feed is not in the record: state one feed")
-    run = begun(run)
-    loop, found, others = fitted_loop(axis, run, noise_of(record, [run]))
-    run, place = loop.run, {name: i for i, name in enumerate(loop.names)}
-    told.faults += _faults([(run, run.t - run.t[0], run.period)], found)
-    of: dict[str, Callable[[Floats], float]] = {
-        "k/m": lambda n: math.exp(n[1] - n[0]),
-        "c/m": lambda n: float(n[2]) * loop.unit / math.exp(n[0]),
-        "gap": lambda n: math.exp(n[3] - n[1]),
-        "axis.stiffness": lambda n: math.exp(n[1]),
-        "axis.mass": lambda n: math.exp(n[0]),
-        "axis.c": lambda n: float(n[2]) * loop.unit,
-        "F_s - F_k": lambda n: math.exp(n[3]),
-    }
-    if "F_k" not in place:
-        why = "without the force of the motor its level is not in the record"
-        told.untold += [(name, why) for name in ("friction.F_s", "friction.F_k")]
-    else:
-        of["friction.F_k"] = lambda n: float(n[place["F_k"]])
-        of["friction.F_s"] = lambda n: float(n[place["F_k"]]) + math.exp(n[3])
-    for name, one in of.items():
-        value, low, high = found.interval(one)
-        ends = [other.interval(one) for other in others]
-        low, high = min([low, *(a for _, a, _ in ends)]), max([high, *(b for *_, b in ends)])
-        why = "other numbers move the axis as well like this" if others else ""
-        told.numbers.append(number_of(name, value, low, high, why))
-    step = float(np.median(np.diff(run.t)))
-    if math.exp(0.5 * float(found.value[1] - found.value[0])) * step > _SPARSE:
-        told.faults.append("the samples are too far apart to show a slip")
-    if not found.left_is_little:
-        told.faults.append(
-            "no motion of the loop is like the record: the search did not come to an end"
-        )
-    names = shown(run)
-    seen = zip(names, measured(run), found.residual, strict=False)
-    traces = tuple(
-        Trace(
-            name={"x": "position", "F": "force"}[name], unit={"x": "m", "F": "N"}[name], t=run.t,
-            measured=run.sign * s, fitted=run.sign * (s - loop.noise[name] * r),
-        )
-        for name, s, r in seen
-    )  # fmt: skip
-    residual = Residual(
-        rms=loop.noise[names[-1]], unit="N" if names[-1] == "F" else "m",
-        memory=found.memory[len(names) - 1].samples * step, faults=tuple(told.faults),
-    )  # fmt: skip
-    return Identified(
-        kind="stick-slip", reason=reason, numbers=tuple(told.numbers), missing=tuple(told.untold),
-        residual=residual, traces=traces,
-        segments=((float(run.t[0]), float(run.t[-1]), "settled jumps"),),
-        notes=tuple(told.notes), next_measurement=_following(told, len(run.highs)),
-    )  # fmt: skip

@@ -3,147 +3,155 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Final
+from typing import Final, Generic, TypeVar
 
 import numpy as np
 from scipy.optimize import least_squares
-from scipy.signal import fftconvolve
 from scipy.stats import t as student
 
+from ..axis import Axis
+from . import noise
+from .cycles import Run
 from .model import Floats
-from .noise import SURE, Memory, memory_of
 
-_STEP: Final = 1e-3
-"""Of a deviation: a step of a difference quotient, where errors of rounding and of curvature are
-both small."""
-_CURVED: Final = 0.03
-"""Relative deviation from which an interval is one of the logarithm: numbers scale a motion."""
+_CURVED: Final = 0.06
+"""Half an interval over its number, from which it is one of the logarithm: numbers scale a motion.
+"""
 _GAIN: Final = 1e-9
 """Of the squares and the numbers: what a step gains at the end of a search."""
 _LITTLE: Final = 4.0
 """Of the squares, for each number: what a search may have left."""
-_SINGULAR: Final = 1e-13
-"""Information, of the largest, that is rounding."""
+_UNKNOWN: Final = 3e6
+"""Deviation of a number before the record, over one at which a change is as large as the noise."""
 
 Columns = Sequence[Floats]
 """Residuals of unbroken runs of even samples, each in units of its noise."""
 
 
+@dataclass(frozen=True, eq=False)
+class Motion(ABC):
+    """A motion over the samples of a run that hangs on numbers, shape (p,)."""
+
+    run: Run
+    noise: dict[str, float]
+    """Standard deviations of x [m] and F [N], as far as there are."""
+
+    @property
+    @abstractmethod
+    def steps(self) -> Floats:
+        """Steps of the numbers for difference quotients."""
+
+    @property
+    def usual(self) -> Floats:
+        """How far the numbers usually are from 0, standard deviations; infinite: anywhere."""
+        return np.full(self.steps.size, math.inf)
+
+    @abstractmethod
+    def columns(self, n: Floats) -> Columns:
+        """Return the residuals at some numbers, of each column over its noise."""
+
+    @abstractmethod
+    def figures(self, n: Floats, axis: Axis | None) -> dict[str, float]:
+        """Return what the columns tell of the axis, by name."""
+
+    @abstractmethod
+    def cycles(self, n: Floats) -> tuple[Floats, float]:
+        """Return the times since a break-away, and the period [s]."""
+
+    @abstractmethod
+    def segments(self, n: Floats) -> Iterator[tuple[float, float, str]]:
+        """Yield parts of the run: begin and end [s], and what they are."""
+
+
+M = TypeVar("M", bound=Motion)
+
+
 @dataclass(frozen=True)
-class Fitted:
-    """Least squares at their minimum, shape (p,) of the numbers.
+class Fitted(Generic[M]):
+    """Least squares at their minimum."""
 
-    `columns` gives the residuals at some numbers, `jacobian` their derivatives, in the same parts.
-    """
-
-    columns: Callable[[Floats], Columns]
-    jacobian: Callable[[Floats], Columns]
+    motion: M
     value: Floats
 
     @cached_property
     def residual(self) -> Columns:
         """Residuals at the minimum."""
-        return self.columns(self.value)
+        return self.motion.columns(self.value)
 
     @cached_property
-    def memory(self) -> list[Memory]:
-        """How long the residual of each part knows itself."""
-        return [memory_of([part - np.mean(part)]) for part in self.residual]
-
-    @cached_property
-    def _information(self) -> tuple[Floats, Floats, Floats]:
-        """Lengths of the derivatives; inverse information, scaled by them; its white part's."""
-        parts = self.jacobian(self.value)
-        whole = np.concatenate(parts)
-        scale = np.sqrt(np.sum(whole * whole, axis=0))
-        scale[scale == 0.0] = 1.0
-        sizes, axes = np.linalg.eigh((whole / scale).T @ (whole / scale))
-        # What the record does not tell has no end, and not the end 0 of a pseudo-inverse.
-        inverse = (axes / np.maximum(sizes, _SINGULAR)) @ axes.T
-        middle = np.zeros_like(inverse)
-        for part, memory, r in zip(parts, self.memory, self.residual, strict=True):
-            J, power = part / scale, float(np.mean(r * r)) * r.size / self._free(r.size)
-            spread = J
-            if memory.samples:
-                kernel = memory.correlation[: memory.samples]
-                both = np.concatenate([kernel[::-1], [1.0], kernel])
-                spread = fftconvolve(J, both[:, None], "full", axes=0)[kernel.size :][: len(J)]
-            middle += power * 0.5 * (J.T @ spread + spread.T @ J)
-        return scale, inverse, inverse @ middle @ inverse
-
-    def _free(self, size: int) -> float:
-        count = sum(r.size for r in self.residual)
-        return size * max(count - self.value.size, 1) / count
-
-    @cached_property
-    def covariance(self) -> Floats:
-        """Covariance of the numbers, shape (p, p): of noise, and of a search that has not ended."""
-        scale, _, covariance = self._information
-        return covariance / np.outer(scale, scale) + np.outer(self.left, self.left)
-
-    @cached_property
-    def left(self) -> Floats:
-        """What the search has left to go, shape (p,), by a whole step of Gauss and Newton."""
-        scale, inverse, _ = self._information
-        parts = zip(self.jacobian(self.value), self.residual, strict=True)
-        return np.asarray(inverse @ (sum(J.T @ r for J, r in parts) / scale) / scale)
-
-    @property
-    def left_is_little(self) -> bool:
-        """Whether that is within the noise."""
-        scale, inverse, _ = self._information
-        white = inverse / np.outer(scale, scale)
-        return (
-            float(self.left @ np.linalg.pinv(white, hermitian=True) @ self.left)
-            < _LITTLE * self.left.size
+    def jacobian(self) -> Floats:
+        """Their derivatives, shape (n, p)."""
+        return derivatives(
+            lambda n: np.concatenate(self.motion.columns(n)), self.motion, self.value
         )
 
     @cached_property
-    def reach(self) -> float:
-        """Deviations in half an interval."""
-        seen = [
-            r.size / (1.0 + 2.0 * m.samples)
-            for r, m in zip(self.residual, self.memory, strict=True)
-        ]
-        return float(student.ppf(0.5 + 0.5 * SURE, max(sum(seen) - self.value.size, 3.0)))
+    def _estimate(self) -> noise.Estimate:
+        """Of a whole step of Gauss and Newton from here: what the search has left to go."""
+        lengths = np.maximum(np.sqrt(np.sum(self.jacobian**2, axis=0)), 1e-100)
+        known = np.minimum(self.motion.usual, _UNKNOWN / lengths)
+        names = [str(i) for i in range(self.value.size)]
+        return noise.least_squares(
+            dict(zip(names, -self.jacobian.T, strict=True)),
+            np.concatenate(self.residual),
+            np.repeat(np.arange(len(self.residual)), [r.size for r in self.residual]),
+            known=dict(zip(names, known.tolist(), strict=True)),
+        )
 
-    def gradient(self, of: Callable[[Floats], float | Floats]) -> Floats:
-        """Return the derivatives of what follows from the numbers, shape (p,) or (p, values)."""
-        scale, inverse, _ = self._information
-        steps = _STEP * np.sqrt(np.maximum(np.diag(inverse), 1e-30)) / scale
-        sides = [[of(self.value + side * move) for move in np.diag(steps)] for side in (1.0, -1.0)]
-        return np.asarray((np.array(sides[0]) - np.array(sides[1])).T / (2.0 * steps)).T
+    @property
+    def covariance(self) -> Floats:
+        """Covariance of the numbers, shape (p, p): of noise, and of a search that has not ended."""
+        estimate = self._estimate
+        return estimate.covariance + np.outer(estimate.value, estimate.value)
 
-    def deviation(self, of: Callable[[Floats], float]) -> float:
-        """Return the standard deviation of a number that follows from the numbers."""
-        slope = self.gradient(of)
-        return math.sqrt(max(float(slope @ self.covariance @ slope), 0.0))
+    @property
+    def left_is_little(self) -> bool:
+        """Whether what the search has left to go is within the noise."""
+        fitted = self._estimate.fitted
+        return float(fitted @ fitted) < _LITTLE * self.value.size
 
-    def interval(self, of: Callable[[Floats], float]) -> tuple[float, float, float]:
-        """Return a number that follows from the numbers, and its interval of 95 %."""
-        return self.ends(float(of(self.value)), self.deviation(of))
+    def deviations(self, of: Callable[[Floats], Floats]) -> Floats:
+        """Return the standard deviations of what follows from the numbers, shape (values,)."""
+        slopes = derivatives(of, self.motion, self.value)
+        return np.asarray(
+            np.sqrt(np.einsum("ij,jk,ik->i", slopes, self.covariance, slopes).clip(0.0))
+        )
 
-    def ends(self, value: float, deviation: float) -> tuple[float, float, float]:
-        """Return a value, and its interval of 95 % of a standard deviation."""
-        half = self.reach * deviation
-        share = half / value if value > 0.0 else math.inf
-        if not _CURVED * self.reach < share < 1.0:
-            return value, value - half, value + half
-        return value, value * math.exp(-share), value * math.exp(share)
+    def ends(self, value: float, deviation: float) -> tuple[float, float]:
+        """Return the interval of 95 % of a value with a standard deviation."""
+        half = float(student.ppf(0.5 + 0.5 * noise.SURE, self._estimate.freedom)) * deviation
+        if not _CURVED * value < half < value:
+            return value - half, value + half
+        return value * math.exp(-half / value), value * math.exp(half / value)
 
 
-def fit(
-    columns: Callable[[Floats], Columns],
-    jacobian: Callable[[Floats], Columns],
-    start: Floats,
-    most: int = 80,
-) -> Fitted:
+def derivatives(of: Callable[[Floats], Floats], motion: Motion, n: Floats) -> Floats:
+    """Return the derivatives of what follows from numbers, shape (values, p)."""
+    moves = np.diag(motion.steps)
+    return np.stack([(of(n + by) - of(n - by)) / (2.0 * by.sum()) for by in moves], axis=1)
+
+
+def fit(motion: M, start: Floats, most: int = 80, gain: float = _GAIN) -> Fitted[M]:
     """Return the least squares that are reached from a start, shape (p,), in so many trials."""
+
+    def residual(n: Floats) -> Floats:
+        return np.concatenate([*motion.columns(n), n / motion.usual])
+
     best = least_squares(
-        lambda n: np.concatenate(columns(n)), start, lambda n: np.concatenate(jacobian(n)),
-        method="lm", x_scale="jac", ftol=_GAIN, xtol=_GAIN, gtol=_GAIN, max_nfev=most,
+        residual, start, lambda n: derivatives(residual, motion, n), method="lm", x_scale="jac",
+        ftol=gain, xtol=gain, gtol=gain, max_nfev=most,
     )  # fmt: skip
-    return Fitted(columns, jacobian, np.asarray(best.x))
+    return Fitted(motion, np.asarray(best.x))
+
+
+def weighed(found: Fitted[M], most: int = 80, gain: float = _GAIN) -> Fitted[M]:
+    """Return the fit with the noise that a residual shows, from there."""
+    motion, sizes = found.motion, [float(np.sqrt(np.mean(r**2))) for r in found.residual]
+    noise = {
+        name: e * max(r, 1e-3) for (name, e), r in zip(motion.noise.items(), sizes, strict=True)
+    }
+    return fit(replace(motion, noise=noise), found.value, most, gain)
