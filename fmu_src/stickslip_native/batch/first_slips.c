@@ -5,7 +5,7 @@
 
 #include <math.h>
 
-/* What a caller gets of each run. */
+/* What a caller gets of each run; of a law without a stick it is that of the steady cycle. */
 struct first_slip {
     double t_stick;     /* length of the stick before the slip [s] */
     double t_slip;      /* length of the slip [s] */
@@ -23,6 +23,10 @@ size_t first_slips(const struct settings runs[], size_t count, struct first_slip
 /* What is more than rounding of the speed, relative to the highest of the slip. */
 static const double SEEN = 1e-6;
 
+/* A cycle whose fall is that of the one before is steady; falls this small beside the largest die
+ * away. */
+static const double SETTLED = 1e-7, DIES = 1e-3;
+
 /* Go through the end of an arc into the next one; `extreme` is the velocity of largest magnitude in
  * the arc if it was a slip [m/s]. */
 static enum refusal pass_end(const struct friction *law, struct arc *arc, struct meter *meter,
@@ -39,8 +43,46 @@ static enum refusal pass_end(const struct friction *law, struct arc *arc, struct
     return LAW.after(law, &ended, ended.z_start + end.growth, arc);
 }
 
+/* The steady cycle of a law without a stick that a start reaches; none where falls of the spring
+ * die away, or take too many arcs. */
+static enum refusal steady_slip(const struct settings *settings, struct first_slip *found)
+{
+    struct friction law;
+    struct meter meter;
+    struct arc arc;
+    double extreme, before = 0.0, largest = 0.0;
+    enum refusal refused = LAW.under(&law, settings, NULL);
+    if (refused == ACCEPTED)
+        refused = LAW.begin(&law, 0, settings->z_start, settings->x_dot_start, 0.0, NULL, &arc);
+    if (refused != ACCEPTED) return refused;
+    *found = (struct first_slip){HUGE_VAL, NAN, NAN, NAN, NAN};
+    meter_start(&meter, 0.0);
+    for (int n = 0; n < MOST_ARCS; n++) {
+        const int mode = arc.mode;
+        refused = pass_end(&law, &arc, &meter, &extreme);
+        if (refused != ACCEPTED) return refused;
+        if (arc.mode == mode) continue;
+        if (mode == 0) {
+            meter_break_away(&meter, 0.0);
+            continue;
+        }
+        meter_end_slip(&meter, 0.0);
+        const double drop = fabs(meter.spring_drop);
+        largest = fmax(largest, drop);
+        if (drop < DIES * largest) return ACCEPTED;
+        if (fabs(drop - before) <= SETTLED * drop) {
+            *found = (struct first_slip){meter.t_stick, meter.t_slip, meter.delta_x,
+                                         meter.spring_drop, meter.x_dot_peak};
+            return ACCEPTED;
+        }
+        before = drop;
+    }
+    return ACCEPTED;
+}
+
 static enum refusal first_slip(const struct settings *settings, struct first_slip *found)
 {
+    if (LAW.whole) return steady_slip(settings, found);
     const double x_dot = settings->x_dot_start;
     struct friction law;
     struct meter meter;

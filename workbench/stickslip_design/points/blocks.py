@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from fmi.table import Table
 from stickslip_fmu.interface import table_of
-from stickslip_fmu.laws.named import BUILT_IN, COULOMB_NAME, friction_law
+from stickslip_fmu.laws.named import COULOMB_NAME, friction_law
 from stickslip_ref import (
     FrictionClampWarning,
     Parameters,
@@ -29,17 +29,21 @@ from stickslip_ref import friction_law as reference_law
 from . import dwelling, falling
 from .columns import Floats, Regime
 from .falling import CURVE, last_coefficient
-from .slips import BESIDE, LEAST_STICK, Motion, Values
+from .slips import BESIDE, LEAST_STICK, Motion, Values, first_slips
 
 WITHOUT_INFLUENCE: Final = ("F_ext", "x_start", "x_dot_start", "z_start", "age_start")
 """Parameters and inputs that the steady motion does not depend on."""
 
 
+_LAWS: Final = (COULOMB_NAME, "stribeck", "lugre")
+_LUGRE: Final = _LAWS[-1]
+
+
 @cache
 def table_of_law(law: str) -> Table:
     """Return the variable table of the block; ValueError for a friction law that has no map."""
-    if law not in BUILT_IN:
-        raise ValueError(f"{law!r} has no map; the friction laws with one: {', '.join(BUILT_IN)}")
+    if law not in _LAWS:
+        raise ValueError(f"{law!r} has no map; the friction laws with one: {', '.join(_LAWS)}")
     return table_of(friction_law(law).law.interface)
 
 
@@ -156,6 +160,11 @@ def _followed(given: Values, law: str) -> Motion:
     flat["v"] = np.broadcast_to(np.abs(given["v"]), shape).ravel()
     if law == COULOMB_NAME:
         found = dwelling.motion(flat)
+    elif law == _LUGRE:
+        slips = first_slips(flat, law)
+        cycles = np.isfinite(slips.t_stick)
+        none = np.zeros(cycles.shape, bool)
+        found = Motion(cycles, slips.t_stick, slips.t_slip, none, none)
     else:
         v = np.abs(given["v"])
         others = [each for name, each in given.items() if name != "v"]
@@ -179,7 +188,7 @@ def _columns(given: Values, law: str, motion: Motion) -> dict[str, NDArray[Any]]
     )
     p = _parameters(given)
     mu_k = np.asarray(p.mu_k)
-    if law != COULOMB_NAME:
+    if "shape" in given:
         # Of a measured curve that of its last point.
         mu_k = np.where(np.equal(given["shape"], CURVE), last_coefficient(given), mu_k)
     with np.errstate(divide="ignore", invalid="ignore"):
