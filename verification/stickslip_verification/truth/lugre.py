@@ -26,7 +26,16 @@ class LuGre(FrictionLaw):
     digits = 20
 
     def check(self, values: Mapping[str, float]) -> None:
-        """Refuse an exponent that is not whole: g has no Taylor series at rest then."""
+        """Refuse an exponent that is not whole, and bristles that give way to nothing.
+
+        g has no Taylor series at rest with the one, and hardly a least value with the other.
+        """
+        for name in ("mu_s", "mu_k"):
+            if values[name] == 0.0:
+                raise ValueError(
+                    f"{name} = 0.0 is outside {name} > 0, which the truth of LuGre's law is "
+                    "limited to"
+                )
         if values["delta"] != int(values["delta"]):
             raise ValueError(
                 f"delta = {values['delta']!r} is outside the whole numbers, which the truth of "
@@ -55,8 +64,8 @@ class LuGre(FrictionLaw):
             if abs(self._level(speed.context, n, band)) >= _fades(speed.context, own["v_d"], 2):
                 return force
             rate = rate * (-((speed / own["v_d"]) ** 2)).exp()
-        force += rate * own["sigma_1"]
-        return force
+        whole: Series = force + rate * own["sigma_1"]
+        return whole
 
     def rates_between(
         self, n: Numbers, band: int, speed: Series, state: Sequence[Series]
@@ -66,9 +75,8 @@ class LuGre(FrictionLaw):
         forward = band > len(_limits(context, n))
         size = speed if forward else -speed
         part = size * state[0] * n.own["sigma_0"]
-        least = _least(n)
         if n.gap == 0 or abs(level) >= _falls(context, n):
-            return (speed - part / max(n.F_k, least),)
+            return (speed - part / n.F_k,)
         g = (-((size / n.own["v_s"]) ** n.own["delta"])).exp() * n.gap + n.F_k
         return (speed - part / g,)
 
@@ -92,26 +100,17 @@ class LuGre(FrictionLaw):
         return {"zeta": state[0], "E_bristles": self.stored(n, state)}
 
 
-def _least(n: Numbers) -> Number:
-    """Return the least friction in sliding [N]."""
-    return n.weight / 10**12
-
-
 def _limits(context: Context, n: Numbers) -> list[Number]:
     """Return the rising speeds > 0 [m/s] where an exponential ends."""
     found = {_falls(context, n)} if n.gap else set()
     if n.own["v_d"]:
         found.add(_fades(context, n.own["v_d"], 2))
-    return sorted(u for u in found if u > 0)
+    return sorted(found)
 
 
 def _falls(context: Context, n: Numbers) -> Number:
-    """Return the speed [m/s] from which g is constant: by rounding, or at its least value."""
-    least = _least(n)
-    if n.F_k >= least:
-        return _fades(context, n.own["v_s"], n.own["delta"])
-    above = n.gap / (least - n.F_k)
-    return n.own["v_s"] * context.log(above) ** (1 / n.own["delta"]) if above > 1 else context.zero
+    """Return the speed [m/s] from which g is constant."""
+    return _fades(context, n.own["v_s"], n.own["delta"])
 
 
 def _fades(context: Context, speed: Number, exponent: Number) -> Number:

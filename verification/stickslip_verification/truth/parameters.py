@@ -132,7 +132,6 @@ class Numbers:
     v: Number
     F_ext: Number
     mu_k: Number  # after the clamp
-    weight: Number  # m g
     N: Number  # normal force
     F_s: Number  # mu_s N
     F_k: Number  # mu_k N
@@ -154,7 +153,6 @@ def exact(context: Context, values: Mapping[str, float]) -> Numbers:
     return Numbers(
         **{name: numbers[name] for name in ("m", "k", "c", "v", "F_ext")},
         mu_k=mu_k,
-        weight=weight,
         N=N,
         F_s=mu_s * N,
         F_k=mu_k * N,
