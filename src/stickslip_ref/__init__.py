@@ -22,7 +22,7 @@ from .laws import (
     Stribeck,
     friction_law,
 )
-from .limits import critical_velocity
+from .limits import critical_velocity, memory_cycle
 from .parameters import Bound, FloatOrArray, FrictionClampWarning, Parameters
 from .ranges import EVEN, STICKS, SWINGS, CriticalVelocity, Interval, merged
 from .regime import SETTLED, Kind, Regime, StickSlip, Swinging, regime
@@ -70,6 +70,7 @@ __all__ = [
     "critical_velocity",
     "dwell_attractors",
     "friction_law",
+    "memory_cycle",
     "merged",
     "regime",
     "simplified",

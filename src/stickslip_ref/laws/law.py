@@ -219,6 +219,14 @@ class FrictionLaw(ABC):
         """
         return None
 
+    def steady_state(self, p: Parameters, v: float) -> State:
+        """Return the own state in sliding at a velocity [m/s], not 0; none by default."""
+        return NO_STATE
+
+    def no_cycle(self, p: Parameters) -> str:
+        """Return why no cycle exists at any velocity; empty where that is not known."""
+        return ""
+
     def stored(self, p: Parameters, state: Floats) -> Floats:
         """Return the energy [J] that the own state holds, (variables, n) given; none by default."""
         return np.zeros(state.shape[1:])

@@ -111,6 +111,14 @@ class LuGre(FrictionLaw):
         force = self.sliding_friction(p, 0.0)
         return _NOISE * force / math.sqrt(float(p.m) * (p.own["sigma_0"] + float(p.k)))
 
+    def speeds(self, p: Parameters) -> tuple[float, ...]:
+        """Return v_s [m/s]."""
+        return (p.own["v_s"],)
+
+    def steady_state(self, p: Parameters, v: float) -> State:
+        """Return zeta in sliding at a velocity [m/s]."""
+        return (math.copysign(self.sliding_friction(p, abs(v)) / p.own["sigma_0"], v),)
+
     def longest_step(self, p: Parameters) -> float:
         """Return a part of the time in which the pull bends the bristles [s]."""
         pull = float(p.k) * abs(float(p.v))

@@ -185,6 +185,31 @@ class RateState(FrictionLaw):
             return -s, -_exp(-state[0])
         return (-s * (math.log(size) + state[0] + 1.0), -size) if size > 0.0 else (0.0, 0.0)
 
+    def speeds(self, p: Parameters) -> tuple[float, ...]:
+        """Return the velocity of contacts that renew in 1/w, and where sliding turns stable."""
+        own, N, k, m, c = p.own, float(p.N), float(p.k), float(p.m), float(p.c)
+        falls = (own["b"] - own["a"]) * N
+        if own["inertia"] == Mass.INERTIA:
+            square = (k * own["D_c"] / falls - 1.0) * own["a"] * N * own["D_c"] / m if falls else 0.0
+            edge = math.sqrt(max(square, 0.0))
+        else:
+            edge = (falls - k * own["D_c"]) / c if c else 0.0
+        return tuple(u for u in (own["D_c"] * float(p.w), edge) if u > 0.0)
+
+    def steady_state(self, p: Parameters, v: float) -> State:
+        """Return ln theta in sliding at a velocity [m/s]: theta is D_c / |v|."""
+        return (math.log(p.own["D_c"] / abs(v)),)
+
+    def no_cycle(self, p: Parameters) -> str:
+        """Return that steady friction rises with the velocity, if so."""
+        a, b = p.own["a"], p.own["b"]
+        return (
+            f"a = {a!r} is at least b = {b!r}: steady friction does not fall with the velocity, so "
+            "steady sliding is stable at any"
+            if a >= b
+            else ""
+        )
+
     def longest_step(self, p: Parameters) -> float:
         """Return a part of the time in which the pull raises mu by a [s].
 

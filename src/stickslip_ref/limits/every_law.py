@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from dataclasses import replace
 
 from ..critical import coulomb_limit
 from ..dwell import critical_speed
@@ -12,6 +13,9 @@ from ..laws import COULOMB, FrictionLaw, friction_law
 from ..laws.coulomb import dwells
 from ..parameters import Parameters
 from ..ranges import CriticalVelocity, Interval
+from ..trajectory import MeasuredCycle
+from .memory import cycle_ranges as memory_ranges
+from .memory import limit_cycle, measured
 from .memoryless import GRAZING, NONE, cycle_ranges
 from .sliding import unstable_ranges
 
@@ -43,22 +47,24 @@ def critical_velocity(
     Returns
     -------
     CriticalVelocity
-        Under Coulomb's law with constant coefficients in closed form, at all velocities.
+        Under Coulomb's law with constant coefficients in closed form, at all velocities. Under
+        friction with a memory, ``cycle`` is where the least velocity is below 1 % of the pull's,
+        its ends to 1 %; it takes some ten seconds.
 
     Raises
     ------
     ValueError
-        If the range is empty or not above 0, ``p`` has arrays, or the friction law has a state of
-        its own or no stick.
+        If the range is empty or not above 0, ``p`` has arrays, or the friction law has both a stick
+        and a state of its own.
     RuntimeError
         If a slip cannot be followed: a damping ratio of some ten that a steep friction overcomes.
     """
     law = friction_law(law) if isinstance(law, str) else law
     if p.shape:
         raise ValueError("critical_velocity takes numbers, no arrays; coulomb_limit takes arrays")
-    if not law.sticks or law.state_start(p):
-        raise ValueError("critical_velocity needs a friction law with a stick and without state")
     p = law.complete(p, {**p.own, **(own or {})})
+    if law.sticks and law.state_start(p):
+        raise ValueError("critical_velocity needs a friction law without state, or without a stick")
     closed = law is COULOMB and not dwells(p)
     usual = (0.0, math.inf) if closed else _velocities(p, law)
     low, high = (
@@ -76,7 +82,44 @@ def critical_velocity(
     if law is COULOMB:
         return CriticalVelocity((), dwell_ranges(p, (low, high)), (low, high), False)
     unstable = unstable_ranges(p, law, (low, high))
+    if not law.sticks:
+        cycles = memory_ranges(replace(p, F_ext=0.0).with_own(p.own), law, unstable, (low, high))
+        return CriticalVelocity(unstable, cycles, (low, high), False)
     return CriticalVelocity(unstable, cycle_ranges(p, law, (low, high)), (low, high), False)
+
+
+def memory_cycle(
+    p: Parameters, law: FrictionLaw | str, own: Mapping[str, float] | None = None
+) -> MeasuredCycle | None:
+    """Return the steady cycle at ``p.v`` under friction with a memory; None: none was found.
+
+    Parameters
+    ----------
+    p : Parameters
+        Numbers only, ``v`` not 0; ``F_ext`` and the initial state are of no influence.
+    law : FrictionLaw or str
+        A friction law without a stick, or its name: lugre, rate_state.
+    own : mapping of str to float, optional
+        Values of the friction law's own parameters, beside those in ``p.own``.
+
+    Raises
+    ------
+    ValueError
+        If ``v`` is 0, the law has a stick, or no cycle exists at any velocity; the message says
+        why.
+    """
+    law = friction_law(law) if isinstance(law, str) else law
+    p = law.complete(p, {**p.own, **(own or {})})
+    if p.shape or law.sticks or not p.v:
+        raise ValueError("memory_cycle takes numbers, v not 0, and a friction law without a stick")
+    if reason := law.no_cycle(p):
+        raise ValueError(reason)
+    found = limit_cycle(replace(p, v=abs(float(p.v)), F_ext=0.0).with_own(p.own), law)
+    if found is None:
+        return None
+    cycle, s = measured(p, found), math.copysign(1.0, float(p.v))
+    signed = ("delta_x", "spring_drop", "x_dot_peak")
+    return replace(cycle, **{name: s * abs(getattr(cycle, name)) for name in signed})
 
 
 def _coulomb(p: Parameters, between: tuple[float, float]) -> CriticalVelocity:

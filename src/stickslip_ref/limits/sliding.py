@@ -1,7 +1,8 @@
 """Where steady sliding is unstable: the eigenvalues of the sliding mass on its spring.
 
 At the pulling velocity v the mass slides at v, and ``m x'' + (c + R'(v)) x' + k x = 0`` rules small
-deviations, R being the friction in slip. They grow where ``c + R'(v) < 0``.
+deviations, R being the friction in slip. They grow where ``c + R'(v) < 0``. Under friction with a
+memory the exact Jacobian rules them.
 """
 
 from __future__ import annotations
@@ -14,6 +15,7 @@ from scipy.optimize import brentq
 from ..laws import FrictionLaw
 from ..parameters import Parameters
 from ..ranges import Interval, merged
+from .memory import stability
 
 EIGENVALUE, NONE = "eigenvalue", "none"
 
@@ -34,7 +36,7 @@ def unstable_ranges(
     p : Parameters
         Numbers only, completed by the friction law.
     law : FrictionLaw
-        A friction law without state of its own.
+        A friction law without state of its own, or without a stick.
     between : tuple of two floats
         The range of velocities searched [m/s].
     """
@@ -56,7 +58,7 @@ def _unstable_in_band(p: Parameters, law: FrictionLaw, begin: float, end: float)
     """Return the unstable velocities between two corners of the friction."""
 
     def damping(v: float) -> float:
-        return float(p.c) + law.slope(p, v)
+        return float(p.c) + law.slope(p, v) if law.sticks else stability(p, law, v)
 
     count = max(3, int(np.log(end / begin) / _STEP) + 2)
     # A corner belongs to neither side.

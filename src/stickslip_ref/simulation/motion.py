@@ -219,8 +219,9 @@ class Motion:
             self.rtol,
         )
         self._settled = phase.settled
-        peak = max(self._open.x_dot_peak, phase.x_dot_peak, key=lambda u: self._pulls * u)
-        self._open.x_dot_peak = peak
+        if falls:
+            peak = max(self._open.x_dot_peak, phase.x_dot_peak, key=lambda u: self._pulls * u)
+            self._open.x_dot_peak = peak
         if not phase.ended:
             return phase.duration, phase.sample, None
         return phase.duration, phase.sample, self._leave if was_settled else self._pass_pull

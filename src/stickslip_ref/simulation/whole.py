@@ -45,7 +45,7 @@ class Phase(NamedTuple):
     settled : bool
         Whether the mass moves with the pull, as far as can be told.
     x_dot_peak : float
-        Velocity farthest along the pull [m/s].
+        Velocity farthest along the pull [m/s], where the spring grows the least along it.
     sample : callable
         The motion along it.
     """
@@ -168,8 +168,8 @@ def integrate_whole(
         u = np.array([problem.velocity(each) for each in solution.y.T])
         swing = max(swing, float(np.max(np.abs(u - problem.v))))
         still = bool(np.max(np.abs(u)) <= problem.swing)
-        if falls:
-            peak = s * max(s * peak, s * _peak(problem, solution, u, s))
+        outward = s if falls else -s
+        peak = outward * max(outward * peak, outward * _peak(problem, solution, u, outward))
         y, ended = solution.y[:, -1].copy(), solution.t_events[0].size > 0
         now = duration if solution.status == 0 else now + float(solution.t[-1])
         if solution.t_events[1].size and not still:
@@ -242,7 +242,7 @@ def _solve(
 
 
 def _peak(problem: _Problem, solution: Any, u: Floats, s: float) -> float:
-    """Return the velocity farthest along the pull in a piece [m/s], ``u`` at the ends of steps."""
+    """Return the velocity farthest along ``s`` in a piece [m/s], ``u`` at the ends of steps."""
     at = int(np.argmax(s * u))
     low, high = solution.t[max(at - 1, 0)], solution.t[min(at + 1, u.size - 1)]
     found = minimize_scalar(
