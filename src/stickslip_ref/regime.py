@@ -174,11 +174,16 @@ def regime(
     Raises
     ------
     ValueError
-        If ``v`` is 0, or as `critical_velocity` does.
+        If ``v`` is 0, the law has no stick, or as `critical_velocity` does.
     RuntimeError
         As `critical_velocity` does.
     """
     law = friction_law(law) if isinstance(law, str) else law
+    if not law.sticks:
+        raise ValueError(
+            "regime needs a friction law with a stick; critical_velocity and memory_cycle take "
+            "those without"
+        )
     speed = abs(float(p.v))
     if speed == 0.0:
         raise ValueError("v = 0.0 m/s is out of range; what happens at a speed needs one")

@@ -190,7 +190,9 @@ class RateState(FrictionLaw):
         own, N, k, m, c = p.own, float(p.N), float(p.k), float(p.m), float(p.c)
         falls = (own["b"] - own["a"]) * N
         if own["inertia"] == Mass.INERTIA:
-            square = (k * own["D_c"] / falls - 1.0) * own["a"] * N * own["D_c"] / m if falls else 0.0
+            square = (
+                (k * own["D_c"] / falls - 1.0) * own["a"] * N * own["D_c"] / m if falls else 0.0
+            )
             edge = math.sqrt(max(square, 0.0))
         else:
             edge = (falls - k * own["D_c"]) / c if c else 0.0
@@ -211,13 +213,12 @@ class RateState(FrictionLaw):
         )
 
     def longest_step(self, p: Parameters) -> float:
-        """Return a part of the time in which the pull raises mu by a [s].
+        """Return a part of the time in which the pull raises mu by a, or moves by D_c [s].
 
         A longer step of a mass that creeps sees nothing of the instability that is near.
         """
-        pull = float(p.k) * abs(float(p.v))
-        rise = float(p.N) * p.own["a"]
-        return _PART * rise / pull if pull > 0.0 and rise > 0.0 else math.inf
+        v, way = abs(float(p.v)), float(p.N) * p.own["a"] / float(p.k)
+        return _PART * max(way, p.own["D_c"]) / v if v and way else math.inf
 
     def shown(self, p: Parameters, x_dot: Floats, state: Floats) -> dict[str, Floats]:
         """Return theta [s] and mu [-]."""
