@@ -404,3 +404,26 @@ def test_an_axis_that_judders_without_end_is_refused(monkeypatch: pytest.MonkeyP
     monkeypatch.setattr("stickslip_design.reversal.follower._MOST", 1000)
     with pytest.raises(RuntimeError, match="judders on and on"):
         run(AXIS)
+
+
+def test_the_other_direction_is_the_mirror_image() -> None:
+    follower = Follower(changed_way(COULOMB, 1e-5))
+    one, other = paths(follower, follower, FEED, RADIUS, 0.5)
+    np.testing.assert_allclose(other, np.roll(one[::-1], 1), atol=1e-12)
+    # The glitches of both stand side by side.
+    assert np.abs(one - other).max() > 0.9 * np.ptp(one)
+
+
+def test_dry_friction_of_the_motor_acts_as_that_of_the_table_where_they_are_one_mass() -> None:
+    friction = replace(STIFF.friction, mu_s=0.0, mu_k=0.0)
+    motor = changed(replace(STIFF, friction=friction), dry=STIFF.F_k)
+    table = changed(STIFF, presliding=ROLLING)
+    # Damping of the presliding, which goes with the mass, adds a tenth of friction at most.
+    assert run(motor).glitch.height == pytest.approx(run(table).glitch.height, rel=0.1)
+
+
+def test_two_coefficients_are_stribecks_friction_over_1_mm_per_s() -> None:
+    law = 'law = "stribeck"\nv_s = "1 mm/s"\ndelta = 2\npresliding = "50 um"\n'
+    stribeck = axis_file_of(example().replace("mu_s = 0.20", f"{law}mu_s = 0.20")).axis()
+    assert not list(assumed(stribeck))
+    assert run(stribeck).G_b == pytest.approx(run(changed_way(AXIS, 5e-5)).G_b, abs=1e-9)
