@@ -46,12 +46,9 @@ class Reversal(Shown):
     assumed: tuple[Assumed, ...]
 
     def __repr__(self) -> str:
-        worst = max(self.circles, key=lambda each: each.G_b)
         axes = " and ".join(f"{name}, B {B:.3g} m" for name, B in self.B)
-        return (
-            f"<Reversal of {axes}: G(b) {worst.G_b:.3g} m, glitch {worst.glitch.height:.3g} m "
-            f"at {worst.feed:.3g} m/s, radius {worst.radius:.3g} m>"
-        )
+        most = max(each.G_b for each in self.circles)
+        return f"<Reversal of {axes}: {len(self.circles)} circles, G(b) up to {most:.3g} m>"
 
     def table(self) -> RenderableType:
         """Return a row for each circle, for rich."""
