@@ -16,6 +16,7 @@ import stickslip as ss
 from stickslip.results import Shown
 from tests.needs import needs
 from tests.python import python
+from tests.workbench.running import Command
 
 WRITTEN = """\
 axis = {mass = "500 kg", stiffness = "40 N/um", zeta = "5 %"}
@@ -134,6 +135,28 @@ def test_numbers_of_a_record_go_into_an_axis_file_and_a_report(tmp_path: Path) -
     file = found.write(tmp_path / "measured.toml")
     assert ss.design(file).verdict.axis.m == pytest.approx(500.0, rel=0.01)
     assert found.sentence in found.report(tmp_path / "record.html").read_text("utf-8")
+
+
+def test_two_axes_on_a_circle_have_each_a_reversal_value(tmp_path: Path, command: Command) -> None:
+    stiff = WRITTEN.replace("0.20", "0.15").replace(
+        "= {feeds", '= {acceleration = "0.01 m/s2", feeds'
+    )
+    soft = stiff.replace("mass", 'name = "soft", mass').replace("40 N/um", "20 N/um")
+    for name, text in (("axis", stiff), ("soft", soft)):
+        (tmp_path / f"{name}.toml").write_text(text, encoding="utf-8")
+    said = command.passes("reversal", "axis.toml", "--with", "soft.toml", "--json")
+    found = json.loads(said)
+    (name, B), (other, double) = found["B"]
+    # Half the stiffness, twice the way; what swings where the command stops takes a part.
+    assert (name, other) == ("axis", "soft")
+    assert double == pytest.approx(2.0 * B, rel=0.02)
+    # On a rigid drive nothing is fed forward.
+    (circle,) = found["circles"]
+    assert (circle["share"], circle["feed"], circle["radius"]) == (0.0, 1.0 / 60.0, 0.05)
+    heights = [each["height"] for each in circle["glitches"]]
+    # The second one reverses at 90 degrees.
+    assert min(heights[1::2]) > 1.5 * max(heights[::2])
+    assert ss.reversal("axis.toml", "soft.toml").circles[0].G_b == circle["G_b"]
 
 
 def test_an_optimiser_drives_an_axis_by_its_own_numbers() -> None:
