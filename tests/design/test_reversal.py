@@ -262,6 +262,7 @@ def test_two_axes_have_each_their_own_glitch() -> None:
     assert np.abs(heights[1::2]).max() < 0.01 * own
 
 
+@pytest.mark.gate
 def test_friction_fed_forward_ends_the_glitch_of_a_stiff_axis() -> None:
     # It reverses faster than 0.4 um of presliding takes: 0.3 ms.
     without, with_it, twice = (run(STIFF, 10.0, 10.0, x).glitch.height for x in (0.0, 1.0, 2.0))
