@@ -83,10 +83,14 @@ def test_motion_in_one_direction_tells_no_constant_force() -> None:
 
 def test_a_force_that_is_clipped_tells_nothing_where_it_is() -> None:
     limit = np.quantile(np.abs(FORCE), 0.9)
-    found = identify(Record(t=T, position=X, force=FORCE.clip(-limit, limit)))
+    clipped = FORCE.clip(-limit, limit)
+    found = identify(Record(t=T, position=X, force=clipped))
     assert found.explained
     assert contains(found, TRUTH)
     assert any("the force is clipped" in note for note in found.notes)
+    # Measured behind the limit, with noise, it is no number that stands.
+    noisy = identify(Record(t=T, position=X, force=clipped + NOISE[::-1]))
+    assert any("and no noise" in fault for fault in noisy.residual.faults)
 
 
 def test_a_sample_that_is_disturbed_is_said() -> None:

@@ -22,9 +22,9 @@ _GAP: Final = 5.5
 """A step longer than so many usual ones is a gap, over which nothing is interpolated."""
 _LEAST: Final = 40
 """Samples of an unbroken run below which it is left out."""
-_CLIPPED, _MOST_CLIPPED, _OFTEN = 0.005, 0.25, 3.0
-"""A force is clipped where its greatest or least value has more than this part of the samples, less
-than that, and so many times those of any other value."""
+_CLIPPED, _OFTEN, _COUNTS = 0.005, 2.0, 10
+"""A force is clipped where its greatest or least value has more than this part of the samples, and
+so many times those of any other value, of so many at least."""
 _STEADY, _DEVIATIONS, _BURIED = 0.05, 4.0, 0.2
 """Of its speed: how far a steady run may be off its median, beside so many deviations of the noise,
 and noise that hides whether it is steady."""
@@ -64,8 +64,7 @@ def evened(record: Record) -> list[Even]:
     step, runs = float(np.median(np.diff(t))), []
     values, counts = np.unique(columns["force"], return_counts=True)
     often = max(_CLIPPED * t.size, _OFTEN * counts[1:-1].max(initial=1))
-    at_ends = counts[[0, -1]]
-    limits = values[[0, -1]][(at_ends > often) & (at_ends < _MOST_CLIPPED * t.size)]
+    limits = values[[0, -1]][(counts[[0, -1]] > often) & (values.size > _COUNTS)]
     for part in np.split(np.arange(t.size), np.flatnonzero(np.diff(t) > _GAP * step) + 1):
         if part.size >= _LEAST:
             grid = np.arange(t[part[0]], t[part[-1]] + 0.5 * step, step)
@@ -102,23 +101,22 @@ def filtered(run: Even, corner: float) -> Columns:
     return columns | {"t": run.t[3:-3], "force": derived("force", 0)[0]}
 
 
-def scatter(run: Even, corner: float, rounding: float) -> tuple[float, float]:
-    """Return the noise of speed [m/s] and acceleration [m/s2] behind the low pass, rms.
+def scatter(run: Even, corner: float, rounding: float) -> tuple[float, float, float]:
+    """Return the noise of speed [m/s], acceleration [m/s2], force [N] behind the low pass, rms.
 
-    Of white noise of the position, or of the speed where that is measured, its numbers rounded by
-    at most `rounding`; the corner in Hz.
+    Of white noise of the force, and of the position, or of the speed where that is measured, its
+    numbers rounded by at most `rounding`; the corner in Hz.
     """
-    first = 0 if "velocity" in run.columns else 1
-    sigma = scatter_of(run.t, run.columns["position" if first else "velocity"])
-    sigma = max(sigma if math.isfinite(sigma) else 0.0, rounding / math.sqrt(3.0))
 
-    def left(n: int) -> float:
+    def left(name: str, n: int, rounding: float = 0.0) -> float:
         """Return the n-th derivative's, by the integral of u^(2n)/(1 + u^8)^2."""
         part = 0.125 * beta((2 * n + 1) / 8.0, 2.0 - (2 * n + 1) / 8.0)
         power = 2.0 * run.step * corner * part * (2.0 * math.pi * corner) ** (2 * n)
-        return sigma * math.sqrt(power)
+        sigma = np.nan_to_num(scatter_of(run.t, run.columns[name]))
+        return max(float(sigma), rounding / math.sqrt(3.0)) * math.sqrt(power)
 
-    return left(first), left(first + 1)
+    name, first = ("velocity", 0) if "velocity" in run.columns else ("position", 1)
+    return left(name, first, rounding), left(name, first + 1, rounding), left("force", 0)
 
 
 class Plateau(NamedTuple):

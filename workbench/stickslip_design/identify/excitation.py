@@ -47,6 +47,9 @@ _OFF, _LONG = 0.01, 0.15
 memory of the residual that makes it none."""
 _LATE: Final = 0.1
 """Of the period of the low pass's corner: time between force and motion that is too much."""
+_LEFT, _ALIKE = 4.0, 10
+"""Of the noise of the force, what a fit may leave though that is alike for more than so many
+samples behind the low pass."""
 _WAY, _FAULT = 3.0, 4.0
 """Deviations that tell two directions from chance, and a fault, of some that are sought."""
 _LAG, _BINS = 0.05, 10
@@ -78,8 +81,8 @@ class _Rows:
     """Time between samples of the record [s], known to be about what a force is ahead or late."""
     step: float
     """Time between those that are used [s]."""
-    noise: tuple[float, float]
-    """That of the speed [m/s] and of the acceleration [m/s2]."""
+    noise: tuple[float, float, float]
+    """That of the speed [m/s], of the acceleration [m/s2], of the force [N]."""
     yielding: float = 0.0
     """What the fourth derivative of the position adds to the acceleration [s2]."""
     steady: bool = False
@@ -417,6 +420,10 @@ def _faults(rows: _Rows, law: Law, curve: Curve, inside: Memory) -> Iterator[str
         if inside.samples > _LONG * np.bincount(rows.moved["run"].astype(int)).max():
             yield "the force is not steady in steady runs"
         return
+    left, alike = np.sqrt(np.mean(rows.best.residual**2)), rows.best.memory.samples
+    noise = np.hypot(rows.noise[2], rows.best.number("m") * rows.noise[1])
+    if left > _LEFT * noise and alike > _ALIKE:
+        yield f"it leaves {left:.2g} N that are alike for {alike * rows.step:.2g} s, and no noise"
     late, chance = abs(rows.best.number("ahead")), rows.best.deviation("ahead")
     if late > max(_LATE / rows.corner, _FAULT * chance):
         yield f"force and motion are {late * 1e3:.2g} ms apart"
