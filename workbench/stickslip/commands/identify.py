@@ -26,7 +26,7 @@ def identify(
     from stickslip import files
     from stickslip.identified import identify as identified
     from stickslip.progress import meter
-    from stickslip_design.axis import AxisError, read_axis_file
+    from stickslip_design.axis import AxisError, axis_file_of
 
     report = output or Path(record.with_suffix(".html").name)
     asked = {"--output": report, "--write": write, "--json": json}
@@ -46,5 +46,5 @@ def identify(
     print("report:", ", ".join(map(str, targets.values())))
     if write:
         with suppress(AxisError):
-            read_axis_file(write).axis()
+            axis_file_of(found.axis_text, str(write), write.parent).axis()
             print(f"next: stickslip design {write}")

@@ -407,7 +407,9 @@ def _others(rows: _Rows, axis: Axis | None) -> dict[str, Estimate]:
         found = rows.fit({str(n): one for n, one in enumerate(columns)}, apart=rows.differ)
         moves = [abs(found.number(n) - best.number(n)) > best.reach(n) for n in best.names]
         chance = [abs(found.number(str(n))) / found.deviation(str(n)) for n in range(len(columns))]
-        if max(chance) > _FAULT and any(moves):
+        # What mass and friction show as well takes nothing from the residual.
+        less = 1.0 - (found.residual @ found.residual) / (best.residual @ best.residual)
+        if max(chance) > _FAULT and any(moves) and less * size.size > _FAULT**2:
             shown[words] = found
     return shown
 
