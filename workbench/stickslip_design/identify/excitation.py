@@ -45,8 +45,8 @@ force of the inertia has at most this part of the power; or nearly all of the ti
 _OFF, _LONG = 0.01, 0.15
 """Of the range of the forces: how far a steady run may be off its friction law. Of a steady run: a
 memory of the residual that makes it none."""
-_LATE: Final = 0.1
-"""Of the period of the low pass's corner: time between force and motion that is too much."""
+_LATE: Final = 0.18
+"""Of the time between the samples that are used: time between force and motion that is too much."""
 _LEFT, _ALIKE = 4.0, 10
 """Of the noise of the force, what a fit may leave though that is alike for more than so many
 samples behind the low pass."""
@@ -76,7 +76,6 @@ class _Rows:
     "c backward", its sign "F_k", "jerk", "jounce"; also the number of the "run"."""
     wanted: Columns
     """The same of the commanded motion, empty if the table follows none."""
-    corner: float
     sample: float
     """Time between samples of the record [s], known to be about what a force is ahead or late."""
     step: float
@@ -104,10 +103,7 @@ class _Rows:
             return found
         m, c = found.number("m"), float(np.mean([found.number(name) for name in slopes]))
         late = [
-            {
-                "ahead": m * way["jerk"] + c * way["m"],
-                "soft": m * self.yielding * way["jounce"],
-            }
+            {"ahead": m * way["jerk"] + c * way["m"], "soft": m * self.yielding * way["jounce"]}
             for way in (self.moved, self.wanted or self.moved)
         ]
         return self.numbers(columns | late[0], late[1])
@@ -115,15 +111,13 @@ class _Rows:
     def numbers(self, columns: Columns, more: Columns | None = None) -> Estimate:
         """Return the numbers of columns, and before them the mass, but in steady runs."""
         columns = columns if self.steady else {"m": self.moved["m"], **columns}
-        noise, instruments = None, None
-        if self.wanted:
-            instruments = {**self.wanted, **(more or {})}
-        else:
-            # Each direction has the noise of the speed for its part of the time.
-            noise = {
-                name: self.noise[name == "m"] ** 2 * float(np.mean(columns[name] != 0.0))
-                for name in columns.keys() & {"m", "c", "c forward", "c backward"}
-            }
+        instruments = self.wanted and self.wanted | (more or {})
+        # Each direction has the noise of the speed for its part of the time.
+        noise = {
+            name: self.noise[name == "m"] ** 2 * float(np.mean(columns[name] != 0.0))
+            for name in columns.keys() & {"m", "c", "c forward", "c backward"}
+            if not self.wanted
+        }
         known = {"ahead": self.sample, "soft": _SPRING}
         force, run = self.moved["force"], self.moved["run"]
         return least_squares(columns, force, run, noise, instruments, known)
@@ -198,12 +192,12 @@ def driven(record: Record, axis: Axis | None) -> Identified:
             f"In {100.0 * part:.2g} % of the samples the force is clipped: they tell nothing."
         )
     shown = slice(None, None, max(1, moved["t"].size // _MOST))
-    missing = [("friction.F_s", "a table that does not stick and slip tells no static friction")]
+    missing = {"friction.F_s": "a table that does not stick and slip tells no static friction"}
     if rows.steady:
-        missing.append(("axis.mass", "the table is not accelerated in steady runs"))
+        missing["axis.mass"] = "the table is not accelerated in steady runs"
     if "offset" not in best.names:
-        why = "motion in one direction does not tell it from friction"
-        missing.append(("axis.force_along", why))
+        missing["axis.force_along"] = "motion in one direction does not tell it from friction"
+    missing["axis.stiffness"] = "table and drive move as one in it"
     parts = [(run.begin, run.end, f"{run.speed * 6e4:.4g} mm/min") for run in steady]
     if not rows.steady:
         t, v = moved["t"], moved["c"]
@@ -216,7 +210,7 @@ def driven(record: Record, axis: Axis | None) -> Identified:
         if rows.steady
         else "the table is accelerated and braked",
         numbers=tuple(_numbers(rows, law, others, axis)),
-        missing=(*missing, ("axis.stiffness", "table and drive move as one in it")),
+        missing=tuple(missing.items()),
         residual=Residual(
             rms=float(np.sqrt(np.mean(rows.best.residual**2))),
             unit="N",
@@ -244,7 +238,7 @@ def _rows(runs: Sequence[Even], record: Record, axis: Axis | None) -> _Rows:
 
     Where the position has all the noise, behind the one with which the numbers are known best.
     """
-    stride = max(_FIRST, sum(run.t.size for run in runs) // _KEPT)
+    stride = max(_FIRST, record.t.size // _KEPT)
     if axis and axis.drive:
         highest = _STIFF * math.sqrt(axis.k / axis.m) / (2.0 * math.pi)
         stride = max(stride, math.ceil(_WHITENED / (highest * runs[0].step)))
@@ -306,7 +300,6 @@ def _at(
     return _Rows(
         moved=moved,
         wanted={n[7:]: moved[n] for n in moved if n[:7] == "wanted "} if late is not None else {},
-        corner=corner,
         sample=step,
         step=stride * step,
         noise=max(scatter(run, corner, rounding) for run in runs),
@@ -427,7 +420,7 @@ def _faults(rows: _Rows, law: Law, curve: Curve, inside: Memory) -> Iterator[str
     if left > _LEFT * noise and alike > _ALIKE:
         yield f"it leaves {left:.2g} N that are alike for {alike * rows.step:.2g} s, and no noise"
     late, chance = abs(rows.best.number("ahead")), rows.best.deviation("ahead")
-    if late > max(_LATE / rows.corner, _FAULT * chance):
+    if late > max(_LATE * rows.step, _FAULT * chance):
         yield f"force and motion are {late * 1e3:.2g} ms apart"
 
 
@@ -450,7 +443,8 @@ def _notes(rows: _Rows, at: tuple[float, float], of_motor: float) -> Iterator[st
             f"{both.memory.samples * rows.step * 1e3:.0f} ms, its correlation is {at[1]:.2f} over "
             f"{at[0] * 1e3:.0f} ms."
         )
-    yield f"Force and derivatives are behind a low pass of {rows.corner:.3g} Hz, forth and back."
+    corner = _WHITENED / rows.step
+    yield f"Force and derivatives are behind a low pass of {corner:.3g} Hz, forth and back."
 
 
 def _curve(rows: _Rows) -> tuple[Law, Curve, Memory]:
