@@ -17,6 +17,9 @@ struct first_slip {
 /* A slip of more arcs than this has no end for the caller: far more than any that comes to rest. */
 enum { MOST_ARCS = 100000 };
 
+/* Cycles after which a motion that has not settled has none. */
+enum { MOST_CYCLES = 100 };
+
 size_t first_slips(const struct settings runs[], size_t count, struct first_slip found[],
                    char reason[MESSAGE_SIZE]);
 
@@ -26,6 +29,9 @@ static const double SEEN = 1e-6;
 /* A cycle whose fall is that of the one before is steady; falls this small beside the largest die
  * away. */
 static const double SETTLED = 1e-7, DIES = 1e-3;
+
+/* A mass sticks where its velocity falls below this part of the pull's. */
+static const double STICKS = 0.01;
 
 /* Go through the end of an arc into the next one; `extreme` is the velocity of largest magnitude in
  * the arc if it was a slip [m/s]. */
@@ -44,21 +50,22 @@ static enum refusal pass_end(const struct friction *law, struct arc *arc, struct
 }
 
 /* The steady cycle of a law without a stick that a start reaches; none where falls of the spring
- * die away, or take too many arcs. */
+ * die away or take too many arcs. One that never sticks has a slip and no stick. */
 static enum refusal steady_slip(const struct settings *settings, struct first_slip *found)
 {
     struct friction law;
     struct meter meter;
     struct arc arc;
-    double extreme, before = 0.0, largest = 0.0;
+    double extreme, before = 0.0, largest = 0.0, slowest = HUGE_VAL;
     enum refusal refused = LAW.under(&law, settings, NULL);
     if (refused == ACCEPTED)
         refused = LAW.begin(&law, 0, settings->z_start, settings->x_dot_start, 0.0, NULL, &arc);
     if (refused != ACCEPTED) return refused;
     *found = (struct first_slip){HUGE_VAL, NAN, NAN, NAN, NAN};
     meter_start(&meter, 0.0);
-    for (int n = 0; n < MOST_ARCS; n++) {
+    for (int n = 0; n < MOST_ARCS && meter.n_slips < MOST_CYCLES; n++) {
         const int mode = arc.mode;
+        if (mode == 0) slowest = fmin(slowest, fabs(arc.x_dot_start));
         refused = pass_end(&law, &arc, &meter, &extreme);
         if (refused != ACCEPTED) return refused;
         if (arc.mode == mode) continue;
@@ -71,11 +78,14 @@ static enum refusal steady_slip(const struct settings *settings, struct first_sl
         largest = fmax(largest, drop);
         if (drop < DIES * largest) return ACCEPTED;
         if (fabs(drop - before) <= SETTLED * drop) {
+            found->t_slip = meter.t_slip;
+            if (slowest > STICKS * fabs(settings->v)) return ACCEPTED;
             *found = (struct first_slip){meter.t_stick, meter.t_slip, meter.delta_x,
                                          meter.spring_drop, meter.x_dot_peak};
             return ACCEPTED;
         }
         before = drop;
+        slowest = HUGE_VAL;
     }
     return ACCEPTED;
 }

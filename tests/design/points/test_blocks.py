@@ -225,9 +225,27 @@ def test_kinetic_friction_above_static_is_clamped(law: str, own: dict[str, float
         ({"mass": 1.0}, "coulomb", "'mass' is no parameter or input of the block"),
         ({"k": np.array([1.0, -1.0])}, "coulomb", "k = -1.0 N/m is out of range"),
         ({"load": -20.0}, "coulomb", "load = -20.0 N is out of range"),
-        ({}, "viscous", "'viscous' has no map; the friction laws with one: coulomb, stribeck"),
+        (
+            {},
+            "viscous",
+            "'viscous' has no map; the friction laws with one: coulomb, stribeck, lugre",
+        ),
     ],
 )
 def test_what_cannot_be_is_refused(values: dict[str, Any], law: str, reason: str) -> None:
     with pytest.raises(ValueError, match=reason):
         block_points(values, law)
+
+
+@needs("cc")
+def test_the_cycles_of_lugre_blocks_are_those_of_the_published_case() -> None:
+    values = {"m": 1.0, "k": 2.0, "c": 0.4, "mu_s": 1.5 / 9.81, "mu_k": 1.0 / 9.81,
+              "sigma_1": math.sqrt(1e5), "v": np.array([0.1, -0.1, 1.0])}  # fmt: skip
+    found = block_points(values, "lugre")
+    # The period is that of the reference; at 1 m/s falls of the spring die away.
+    assert found["T"][:2] == pytest.approx(6.36271982, rel=1e-6)
+    assert found["delta_x"] == pytest.approx([0.636271982, -0.636271982, 0.0], rel=1e-6)
+    assert found["regime"].tolist() == [Regime.STICKS, Regime.STICKS, Regime.EVEN]
+    undamped = block_points({"v": 0.1, "k": 1e4}, "lugre")
+    assert undamped["regime"] == Regime.SWINGS
+    assert np.isnan(found["v_c"]).all()

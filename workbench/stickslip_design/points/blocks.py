@@ -83,14 +83,17 @@ def critical_speeds(values: Values, law: str = COULOMB_NAME) -> Floats:
     """Return the highest pulling velocities [m/s] at which a cycle with a stick exists.
 
     Arguments are as of `block_points`; ``v`` is of no influence. Infinite where stick-slip has no
-    end, NaN where the search of `stickslip_ref.critical_velocity` fails. Closed under Coulomb's law
-    with constant coefficients, else 10 to 100 ms a point.
+    end, NaN under LuGre and where the search of `stickslip_ref.critical_velocity` fails. Closed
+    under Coulomb's law with constant coefficients, else 10 to 100 ms a point.
     """
     given = _checked({**values, "v": 1.0}, law)
     if has_closed_form(given, law):
         return np.asarray(coulomb_limit(_parameters(given)))
     arrays = np.broadcast_arrays(*(np.asarray(each, float) for each in given.values()))
     found = np.full(arrays[0].shape, np.nan)
+    if law == _LUGRE:
+        # Minutes a point.
+        return found
     friction = reference_law(law)
     for place in np.ndindex(found.shape):
         point = {name: float(each[place]) for name, each in zip(given, arrays, strict=True)}
@@ -163,8 +166,8 @@ def _followed(given: Values, law: str) -> Motion:
     elif law == _LUGRE:
         slips = first_slips(flat, law)
         cycles = np.isfinite(slips.t_stick)
-        none = np.zeros(cycles.shape, bool)
-        found = Motion(cycles, slips.t_stick, slips.t_slip, none, none)
+        swings, none = np.isfinite(slips.t_slip) & ~cycles, np.zeros(cycles.shape, bool)
+        found = Motion(cycles, slips.t_stick, slips.t_slip, swings, none)
     else:
         v = np.abs(given["v"])
         others = [each for name, each in given.items() if name != "v"]
