@@ -22,6 +22,8 @@ native: $(VENV)/ready
 	$(BIN)/stickslip verify --fmu build/StickSlip_native.fmu --pack
 	$(BIN)/stickslip build --native --this-machine --bare --law stribeck
 	$(BIN)/stickslip verify --fmu build/StickSlipStribeck_native.fmu --pack -o report/stribeck $(STRIBECK)
+	$(BIN)/stickslip verify --law lugre -o report/lugre
+	$(BIN)/stickslip verify --law rate_state -o report/rate_state
 
 # The native FMU for all platforms: its libraries are read, and run on Linux ARM64 and on Windows as
 # far as qemu and wine are installed (CONTRIBUTING.md). It installs ziglang, 411 MB, whose first build

@@ -2,6 +2,7 @@
 
 import math
 import random
+import tomllib
 from dataclasses import fields
 from functools import cache
 from itertools import pairwise
@@ -11,12 +12,15 @@ from tempfile import mkdtemp
 import numpy as np
 import pytest
 
+import stickslip as ss
 import stickslip_ref
 from stickslip_fmu.laws.named import friction_law
 from stickslip_fmu.laws.native_only import NativeOnly
 from stickslip_fmu.packer import build
 from stickslip_native import packer
+from stickslip_native.packer import sources_of
 from tests.conftest import Sized
+from tests.native.compiling import FLAGS, run, with_library, written
 from tests.native.core import ACCEPTED, Core, NativeBlock, compile_core
 from tests.needs import needs
 
@@ -268,6 +272,30 @@ EXTREMES = [
 def test_extremes_end(law: str, given: dict[str, float], length: float) -> None:
     run = Run(law, given)
     assert run.lost(run.advance(length)) < 1e-7
+
+
+FAULTS = tomllib.loads(Path(__file__).with_name("whole_faults.toml").read_text())
+
+
+@pytest.mark.soak
+@pytest.mark.parametrize("fault", FAULTS)
+def test_a_fault_is_detected_by_the_verdict(fault: str, tmp_path: Path) -> None:
+    file, sound, planted = FAULTS[fault]
+    law = "rate_state" if file == "rate_state.c" else "lugre"
+    files = sources_of(2, law)
+    text = files[file].decode()
+    assert text.count(sound) == 1
+    sources = {**files, file: text.replace(sound, planted).encode()}
+    files_c = written(sources, tmp_path)
+    run("cc", *FLAGS, "-shared", *files_c, "-o", tmp_path / "a.so", "-lm")
+    fmu = packer.build(tmp_path / "sound.fmu", law=law, this_machine=True)
+    faulty = with_library(fmu, tmp_path / "a.so", tmp_path / "faulty.fmu")
+    assert not ss.verify(faulty, sequences=0).passed
+
+
+@pytest.mark.parametrize("law", ["lugre", "rate_state"])
+def test_the_verdict_calls_the_model_right(law: str, tmp_path: Path) -> None:
+    assert ss.verify(packer.build(tmp_path, law=law, this_machine=True), sequences=0).passed
 
 
 @pytest.mark.parametrize("law", ["lugre", "rate_state"])

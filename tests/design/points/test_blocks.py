@@ -239,7 +239,7 @@ def test_what_cannot_be_is_refused(values: dict[str, Any], law: str, reason: str
 
 @needs("cc")
 def test_the_cycles_of_lugre_blocks_are_those_of_the_published_case() -> None:
-    values = {"m": 1.0, "k": 2.0, "c": 0.4, "mu_s": 1.5 / 9.81, "mu_k": 1.0 / 9.81,
+    values: dict[str, Any] = {"m": 1.0, "k": 2.0, "c": 0.4, "mu_s": 1.5 / 9.81, "mu_k": 1.0 / 9.81,
               "sigma_1": math.sqrt(1e5), "v": np.array([0.1, -0.1, 1.0])}  # fmt: skip
     found = block_points(values, "lugre")
     # The period is that of the reference; at 1 m/s falls of the spring die away.

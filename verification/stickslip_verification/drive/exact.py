@@ -76,10 +76,11 @@ def exact_motion(case: Case) -> Exact:
 
 def record_of(case: Case, run: truth.Run) -> Run:
     """Return the samples of an exact run of a case, rounded to double."""
+    names = [n for n in OUTPUT_NAMES if n in run.initial]
     return Run(
         times=np.array(case.times),
-        outputs={n: np.array([float(sample[n]) for sample in run.samples]) for n in OUTPUT_NAMES},
-        initial={n: float(run.initial[n]) for n in OUTPUT_NAMES},
+        outputs={n: np.array([float(sample[n]) for sample in run.samples]) for n in names},
+        initial={n: float(run.initial[n]) for n in names},
     )
 
 

@@ -478,9 +478,9 @@ def available(fmu: FmuFile, names: Iterable[str]) -> list[str]:
     return [name for name in names if fmu.has(name)]
 
 
-def require(fmu: FmuFile) -> None:
-    """Raise `FmuError` with what the FMU lacks of `REQUIRED` and what to do, if it lacks any."""
-    lacking = [name for name in REQUIRED if not fmu.has(name)]
+def require(fmu: FmuFile, without: Iterable[str] = ()) -> None:
+    """Raise `FmuError` with what the FMU lacks of `REQUIRED`, less ``without``, and what to do."""
+    lacking = [name for name in REQUIRED if not (fmu.has(name) or name in without)]
     if lacking:
         them = "them" if len(lacking) > 1 else "it"
         raise FmuError(

@@ -42,7 +42,7 @@ from ..suite import sequences as drawing
 from ..suite.cases import Case, long_cases
 from ..suite.faults import FAULTS_FOLDER, Mutant, MutantError, carries_source, plant
 from ..suite.invariants import Invariants, Manner, load_invariants
-from ..truth import COULOMB, COULOMB_NAME
+from ..truth import COULOMB, COULOMB_NAME, friction_law
 from ..truth.parameters import CHANGEABLE, START_VALUES
 from .comparisons import compare, compare_numerical, solution
 from .experiment import (
@@ -269,11 +269,11 @@ def verify(
     opener = partial(exchange.OPENED[interface], names=names)
     _try_to_open(opener, fmu, time_limit, limits)
     with closing(opener(fmu)) as file:
-        require(file)
+        law = law_of(file)
+        require(file, friction_law(law).lacks)
         cases = fitting(file, cases)
         for case in cases:
             require_law(file, case)
-        law = law_of(file)
         mutants = _plantable(fmu, mutants, law)
         chosen = checks.chosen_contract(file, contract, strict=strict)
         if interface == "me":

@@ -90,6 +90,9 @@ class FrictionLaw:
     sticks: bool = True
     """Whether the mass can stick."""
 
+    lacks: Sequence[str] = ()
+    """Variables of the block that the law has not."""
+
     digits: int = 50
     """Decimal digits of the runs of the suite; fewer where a slip is marched in hundreds of pieces.
     """

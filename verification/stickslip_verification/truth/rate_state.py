@@ -33,6 +33,7 @@ class RateState(FrictionLaw):
         Parameter("v_stick", "m/s", 1e-4, Kind.TUNABLE, low=0.0),
     )
     sticks = False
+    lacks = ("mu_s", "mu_k", "mu_k_used")
     digits = 20
 
     def check(self, values: Mapping[str, float]) -> None:

@@ -63,7 +63,7 @@ def current_fmu(law: str = COULOMB) -> Path:
     from stickslip_verification.drive.description import content_digest
 
     with tempfile.TemporaryDirectory(prefix="stickslip-") as folder:
-        fresh = built(Path(folder), "--fmu", law=law)
+        fresh = built(Path(folder), "--fmu", law=law, **_native(law))
         there = BUILD_FOLDER / fresh.name
         with contextlib.suppress(OSError, zipfile.BadZipFile):
             if content_digest(there) == content_digest(fresh):
@@ -71,6 +71,17 @@ def current_fmu(law: str = COULOMB) -> Path:
         make_folder(BUILD_FOLDER, "--fmu")
         write(there, fresh.read_bytes(), "--fmu")
     return there
+
+
+def _native(law: str) -> dict[str, bool]:
+    """Return the options of a build of a law that is native alone, for this machine."""
+    from stickslip_fmu.laws.named import friction_law
+    from stickslip_fmu.laws.native_only import NativeOnly
+    from stickslip_native.library import this_machine
+
+    if not isinstance(friction_law(law).law, NativeOnly):
+        return {}
+    return {"native": True, "this_machine": this_machine()}
 
 
 def tell_of(fmu: Path) -> None:

@@ -101,15 +101,14 @@ static void balance_graph(const void *context, double at, double *value, double 
     *slope = -medium->normal - medium->c * (forward + backward) / medium->a;
 }
 
-/* The velocity without inertia. */
+/* The velocity without inertia; backward to the bit that of a force forward. */
 static double balanced(const struct medium *it, double z, double phi)
 {
-    const struct balance balance = {it, it->k * z + it->F_ext, phi};
-    const double most = balance.force / it->normal, psi = it->mu_0 + it->b * phi;
-    double mu = most;
-    if (it->c > 0.0 && most != 0.0)
-        mu = falling_zero(balance_graph, &balance, fmin(most, 0.0), fmax(most, 0.0));
-    return it->V_0 * (exp((mu - psi) / it->a) - exp(-(mu + psi) / it->a));
+    const double force = it->k * z + it->F_ext, psi = it->mu_0 + it->b * phi;
+    const struct balance balance = {it, fabs(force), phi};
+    double mu = balance.force / it->normal;
+    if (it->c > 0.0 && mu > 0.0) mu = falling_zero(balance_graph, &balance, 0.0, mu);
+    return copysign(it->V_0 * (exp((mu - psi) / it->a) - exp(-(mu + psi) / it->a)), force);
 }
 
 void medium_start(const struct medium *it, double z, double x_dot, const struct own *own,
