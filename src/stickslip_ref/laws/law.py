@@ -192,7 +192,7 @@ class FrictionLaw(ABC):
         return 0.0
 
     def longest_step(self, p: Parameters) -> float:
-        """Return how long a step of the integration may be [s]; as long as it likes by default."""
+        """Return how long [s] a step may be while the mass creeps, by default as it likes."""
         return math.inf
 
     def coordinate(self, p: Parameters, x_dot: float, state: State) -> float:

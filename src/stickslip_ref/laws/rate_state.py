@@ -23,6 +23,9 @@ _FAR = 20.0
 """Beyond it sinh and cosh are half the exponential to the last digit."""
 
 
+_LEAST = 1e-100
+"""Width in velocity [m/s] that is as good as none."""
+
 _PART = 0.2
 """Of it a step may be long: five times as long, some missed an instability by 1e-5 of a cycle."""
 
@@ -213,12 +216,12 @@ class RateState(FrictionLaw):
         )
 
     def longest_step(self, p: Parameters) -> float:
-        """Return a part of the time in which the pull raises mu by a, or moves by D_c [s].
+        """Return a part of the time in which the pull raises mu by a [s].
 
         A longer step of a mass that creeps sees nothing of the instability that is near.
         """
-        v, way = abs(float(p.v)), float(p.N) * p.own["a"] / float(p.k)
-        return _PART * max(way, p.own["D_c"]) / v if v and way else math.inf
+        pull, rise = float(p.k) * abs(float(p.v)), float(p.N) * p.own["a"]
+        return _PART * rise / pull if pull > 0.0 and rise > 0.0 else math.inf
 
     def shown(self, p: Parameters, x_dot: Floats, state: Floats) -> dict[str, Floats]:
         """Return theta [s] and mu [-]."""
@@ -286,11 +289,14 @@ def _sinh(coordinate: float, logarithm: float) -> float:
 
 
 def _cosh(coordinate: float, logarithm: float) -> float:
-    """Return exp(logarithm) cosh(coordinate), as `_sinh`; > 0."""
+    """Return exp(logarithm) cosh(coordinate), as `_sinh`, at least 1e-100.
+
+    It is the velocity over which mu / a changes by 1; SciPy squares its inverse.
+    """
     size = abs(coordinate)
     if size > _FAR:
-        return 0.5 * _exp(logarithm + size)
-    return _exp(logarithm) * math.cosh(size)
+        return max(0.5 * _exp(logarithm + size), _LEAST)
+    return max(_exp(logarithm) * math.cosh(size), _LEAST)
 
 
 def _exp(exponent: float) -> float:

@@ -26,11 +26,18 @@ SWING = 1e-11
 """A velocity passes that of the pull, or 0, where it leaves it by more than this, relative to the
 pull: less is rounding."""
 
-MOST_CALLS = 400_000
+MOST_CALLS = 60_000
 """Evaluations of a piece by LSODA; a longer one goes by Radau."""
 
 MOST_PIECES = 1000
 """Pieces of the motion between two extremes of the spring."""
+
+
+CREEPS = 0.1
+"""Part of the pull's velocity below which the mass creeps, and the length of a step is bounded."""
+
+FIRST = 1e-4
+"""First step of Radau [1/w]. SciPy's own choice overflows where the mass is at rest."""
 
 
 class Phase(NamedTuple):
@@ -81,6 +88,7 @@ class _Problem:
         energy = self.k * (speed / w) ** 2
         own = law.state_scale(p)
         self.sizes = np.array([speed / w, followed, *own, speed / w / w, energy])
+        self.creeps = abs(x_dot) < CREEPS * abs(self.v)
         self.calls, self.method = 0, law.method
 
     def state(self, y: Floats) -> State:
@@ -174,6 +182,8 @@ def integrate_whole(
         now = duration if solution.status == 0 else now + float(solution.t[-1])
         if solution.t_events[1].size and not still:
             y[1] = 0.0
+        if any(times.size for times in solution.t_events[2:]):
+            problem.creeps = not problem.creeps
     return Phase(
         duration=now,
         ended=ended,
@@ -212,9 +222,16 @@ def _solve(
             return -1.0 if t == 0.0 else abs(problem.velocity(y)) - 2.0 * problem.swing
         return float(y[1]) if t > 0.0 else side
 
+    def pace(t: float, y: Floats) -> float:
+        if t == 0.0:
+            return -1.0 if problem.creeps else 1.0
+        return abs(problem.velocity(y)) - CREEPS * abs(problem.v)
+
     # SciPy takes an event's options as attributes of the function, which typing has no word for.
-    extreme.terminal = corner.terminal = True  # type: ignore[attr-defined]  # as above
+    extreme.terminal = corner.terminal = pace.terminal = True  # type: ignore[attr-defined]  # as above
     extreme.direction = 1.0 if settled else -ahead  # type: ignore[attr-defined]  # as above
+    pace.direction = 1.0 if problem.creeps else -1.0  # type: ignore[attr-defined]  # as above
+    longest, radau = problem.law.longest_step(problem.p), problem.method == "Radau"
     rtol = max(problem.asked, TOLERANCES[problem.method])
     atol = rtol * problem.sizes
     if problem.resolution:
@@ -227,15 +244,16 @@ def _solve(
             y,
             method=problem.method,
             dense_output=True,
-            events=(extreme, corner),
+            events=(extreme, corner, pace) if longest < np.inf else (extreme, corner),
             jac=None if problem.jacobian(0.0, y) is None else problem.jacobian,
-            max_step=problem.law.longest_step(problem.p),
+            first_step=min(duration, longest, FIRST / float(problem.p.w)) if radau else None,
+            max_step=longest if problem.creeps else np.inf,
             rtol=rtol,
             atol=atol,
         )
     except _StalledError:
         solution = None
-    if problem.method == "LSODA" and (solution is None or solution.status < 0):
+    if not radau and (solution is None or solution.status < 0):
         problem.method = "Radau"
         return _solve(problem, y, duration, s, falls, settled, side, still)
     return solution
