@@ -63,7 +63,7 @@ SETTINGS = {
     "Canudas de Wit": Setting(
         "lugre", {**CANUDAS, "z_start": 0.749, "zeta_start": 1.498e-5}, ((0.2, {}),)
     ),
-    "QDYN": Setting("rate_state", QDYN, ((590.0, {}),)),
+    "QDYN": Setting("rate_state", QDYN, ((581.25, {}),)),
     "bristles": Setting("lugre", _STIFF, ((0.03, {}), (0.03, {}))),
     "bristles, fast": Setting("lugre", {**_STIFF, "v": 0.1, "delta": 1.0}, ((0.06, {}),)),
     "bristles, backward": Setting(
@@ -75,11 +75,11 @@ SETTINGS = {
     "bristles, changes": Setting(
         "lugre",
         {**_STIFF, "c": 20.0, "F_ext": -1.0},
-        ((0.03, {}), (0.02, {"v": -0.02}), (0.01, {"k": 8e3, "F_ext": 2.0})),
+        ((0.02, {}), (0.01, {"v": -0.02}), (0.005, {"k": 8e3, "F_ext": 2.0})),
     ),
     "contacts": Setting("rate_state", {**_MOVES, "D_c": 1e-4}, ((0.1, {}),)),
     "contacts, slip law": Setting(
-        "rate_state", {**_MOVES, "D_c": 1e-4, "evolution": 2.0}, ((0.1, {}), (0.1, {}))
+        "rate_state", {**_MOVES, "D_c": 1e-4, "evolution": 2.0}, ((0.1, {}),)
     ),
     "contacts, radiation": Setting("rate_state", _CREEPS, ((0.5, {}), (0.5, {}))),
     "contacts, radiation, slip law": Setting(

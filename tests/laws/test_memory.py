@@ -44,10 +44,10 @@ QUICK = {"bristles", "contacts", "contacts, load"}
 def test_the_reference_is_right_to_1e_9_of_its_scale(name: str) -> None:
     setting = SETTINGS[name]
     expected, found = exact(setting), simulated(setting)
-    length = max(setting.steps)[0]
+    length = max(h for h, _ in setting.steps)
     assert [event.kind for event in found.events] == [event.kind for event in expected.events]
     for event, exact_event in zip(found.events, expected.events, strict=True):
-        assert event.time == pytest.approx(float(exact_event.time), abs=1e-10 * length)
+        assert event.time == pytest.approx(float(exact_event.time), abs=1e-9 * length)
     for number, row in enumerate(expected.samples):
         columns = {**vars(found), **found.own, "sticking": found.sticking}
         for output, value in row.items():
@@ -125,7 +125,7 @@ def test_lugre_tends_to_stribeck_with_the_root_of_sigma_0() -> None:
     curve = {"v_s": own["v_s"]}
     limit = simulate(p, 20.0, law="stribeck", own=curve).cycles[-1].T
     off = []
-    for sigma_0 in (1e8, 1e10, 1e12):
+    for sigma_0 in (1e8, 1e10):
         stiff = {**own, "sigma_0": sigma_0, "sigma_1": math.sqrt(sigma_0)}
         cycle = memory_cycle(p, "lugre", stiff)
         assert cycle is not None
@@ -200,16 +200,17 @@ def test_sliding_turns_stable_at_the_critical_stiffness(inertia: float, evolutio
 
 
 @pytest.mark.parametrize(
-    ("law", "own"),
+    ("name", "own"),
     [
-        (LUGRE, {"v_d": 0.01}),
-        (RATE_STATE, {"evolution": 2.0}),
-        (RATE_STATE, {"inertia": 2.0}),
-        (RATE_STATE, {"inertia": 2.0, "evolution": 2.0}),
+        ("lugre", {"v_d": 0.01}),
+        ("rate_state", {"evolution": 2.0}),
+        ("rate_state", {"inertia": 2.0}),
+        ("rate_state", {"inertia": 2.0, "evolution": 2.0}),
     ],
     ids=str,
 )
-def test_the_jacobian_is_the_derivative(law: FrictionLaw, own: dict[str, float]) -> None:
+def test_the_jacobian_is_the_derivative(name: str, own: dict[str, float]) -> None:
+    law = friction_law(name)
     p = law.complete(Parameters(c=3.0), own)
     state = (2e-5,) if law is LUGRE else (-5.0,)
     q = law.coordinate(p, 2e-3, state)

@@ -86,6 +86,9 @@ def simulate(
     delta_x and x_dot_peak of a cycle are right to 3e-13 mu_s / (mu_s - mu_k) (measured: below
     4e-14 of it), t_slip to (1 + 1 / lambda), t_stick and spring_drop to (1 + 1 / lambda^2) times
     that; near lambda_c each to 1 / sqrt(lambda / lambda_c - 1) times more; docs/theory.md (17).
+    A law without a stick (LuGre, rate and state) is integrated whole, by LSODA or Radau, anew from
+    each reversal and each extreme of the spring; events and cycles are right to 1e-9 of their
+    scale. Bristles with hardly any damping are followed swing by swing, however long.
     From a damping ratio of 30 on slips are integrated by an implicit method (Radau), to about
     1e-11.
     """

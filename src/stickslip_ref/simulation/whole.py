@@ -18,9 +18,9 @@ from ..parameters import Parameters
 from .slip import Floats, Samples, Sampling
 
 TOLERANCES = {"LSODA": 1e-13, "Radau": 1e-10}
-"""Least tolerance of a step by method. At these a cycle is right to some 1e-11 of its scale. LuGre
-takes 0.1 s by LSODA, 0.6 s and more by Radau; rate and state 0.3 s by Radau, while LSODA loses two
-digits and at times never finds to its implicit method."""
+"""Least tolerance of a step by method. At these a cycle is right to 2e-10 of its scale (measured
+against the truth). LuGre takes 0.1 s a cycle by LSODA, 0.6 s and more by Radau; rate and state 0.3
+s by Radau, while LSODA loses two digits and at times never finds to its implicit method."""
 
 SWING = 1e-11
 """A velocity passes that of the pull, or 0, where it leaves it by more than this, relative to the
