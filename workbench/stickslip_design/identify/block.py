@@ -15,7 +15,7 @@ from typing import Final
 
 import numpy as np
 
-from stickslip_score import Solution, scatter_of, solved
+from stickslip_score import Solution, scatter_of
 
 from ..axis import Axis
 from .cycles import Run, digit_of
@@ -23,10 +23,9 @@ from .model import Floats, Record
 from .nonlinear import Columns, Fitted, Motion, fit, weighed
 
 _LEAST_ZETA, _MOST_ZETA = -0.3, 0.95
-_SHARES, _DAMPINGS, _FAST = (0.85, 1.0, 1.2), (0.02, 0.15), (0.3, 0.7, 1.5, 3.0)
+_RATIOS, _DAMPINGS = (0.3, 0.6, 1.2, 2.0, 3.0, 4.5, 7.0, 11.0, 18.0, 30.0), (0.02, 0.15)
 _SHIFTS: Final = (-0.1, -0.03, 0.0, 0.03, 0.1)
-"""Where the search starts: w over that of the turns, damping ratios, w D/v of fast feeds, and
-break-aways in periods."""
+"""Where the search starts: w D/v, damping ratios, and break-aways in periods."""
 _BEST: Final = 2
 _SOME: Final = 700
 """Samples with which it does."""
@@ -34,6 +33,13 @@ _EXACT: Final = 1e-7
 """Of the range of a column, what is no noise but a solver's tolerance."""
 _STEP: Final = 1e-5
 """Of a difference quotient: of a number, or of the period."""
+LEVELS, COEFFICIENTS = ("friction.F_s", "friction.F_k"), ("friction.mu_s", "friction.mu_k")
+LOAD_UP: Final = (
+    "the position tells (F_s - F_k)/k; a load-up from a relaxed spring tells them apart"
+)
+_BY_SPEED: Final = ("gap", "axis.stiffness", "axis.mass", "axis.c")
+_EDGE: Final = 1e-3
+"""Of the damping ratio: how near to a slip without an end a fit tells nothing by its slopes."""
 DRIFTS: Final = ("drift 1", "drift 2", "drift 3")
 
 
@@ -126,9 +132,35 @@ class Block(Motion):
             figures["friction.mu_k"] = (mu_s - w2 * gap) / (g + load / m)
         return figures
 
+    def unknown(self) -> dict[str, str]:
+        """Return numbers that the columns do not tell, and why."""
+        unknown, why = dict[str, str](), "the speed of the spring's end is not in the record"
+        if math.isnan(self.run.speed) and "x" not in self.noise:
+            unknown = dict.fromkeys(_BY_SPEED, f"{why}: state one feed")
+        if "F" not in self.noise and self.run.start == -math.inf:
+            unknown = dict.fromkeys(COEFFICIENTS, LOAD_UP)
+        drifts = dict.fromkeys(LEVELS, "the zero of the force drifts")
+        return unknown | drifts if DRIFTS[0] in self.extras else unknown
+
+    def creep(self, n: Floats) -> Floats:
+        """Return what a creep between slips would change in the residuals."""
+        after, period = self.cycles(n)
+        t_slip = self.motion(n).t_slip
+        within = after % period
+        rise = (within - t_slip) / (period - t_slip) - 0.5
+        way = np.where(within < t_slip, 0.5 - within / t_slip, rise) * (after >= 0.0)
+        by = {"x": 1.0, "F": -self.by_name(n).get("k", 0.0)}
+        return np.concatenate([way * by[name] / e for name, e in self.noise.items()])
+
     def cycles(self, n: Floats) -> tuple[Floats, float]:
-        """Return the times since the first break-away, and the period [s]."""
-        return self.run.t - self.by_name(n)["t_break"], self.motion(n).figures()["period"]
+        """Return the times since the first break-away, and the period [s].
+
+        NaN where a slip would soon have no end.
+        """
+        motion = self.motion(n)
+        damped = replace(motion, zeta=motion.zeta + _EDGE)
+        period = motion.figures()["period"] if math.isfinite(damped.t_slip) else math.nan
+        return self.run.t - self.by_name(n)["t_break"], period
 
     def segments(self, n: Floats) -> Iterator[tuple[float, float, str]]:
         """Yield parts of the run: begin and end [s], and what they are."""
@@ -138,7 +170,7 @@ class Block(Motion):
             yield at, at + t_slip, "slips"
             yield at + t_slip, at + period, "rests"
 
-    def parted(self, n: Floats, most: int) -> Iterator[Fitted[Block]]:
+    def parts(self, n: Floats, most: int) -> Iterator[Fitted[Block]]:
         """Yield fits of single cycles, at most so many."""
         run, motion = self.run, self.motion(n)
         turn = math.atan2(motion.v, motion.w * motion.D) / motion.w
@@ -186,18 +218,10 @@ def _starts(run: Run) -> Iterator[tuple[Solution, list[float]]]:
     period, v = run.period, run.speed
     if math.isnan(v):
         v = float(np.polyfit(run.t, run.columns["x"], 1)[0]) if "x" in run.columns else 1.0
-    half = float(np.median(np.subtract(run.lows, run.highs[: len(run.lows)])))
-    # Highest and lowest extension lie half a free swing apart.
-    first, tried = max(math.pi / half, 1.05 * math.pi / period), []
-    for share, zeta in product(_SHARES, _DAMPINGS):
-        w = max(share * first, 1.02 * math.pi / period)
-        slow = Solution(w, zeta, v, v / w)
-        tried.append(solved(slow, "period", period, "D", 1e-3 * v / w, 0.5 * v * period))
-    for lam, zeta in product(_FAST, _DAMPINGS):
-        # The period without damping: so fast it hardly depends on the gap.
+    for lam, zeta in product(_RATIOS, _DAMPINGS):
+        # The period without damping.
         w = 2.0 * (lam + math.pi - math.atan(lam)) / period
-        tried.append(Solution(w, 0.2 * lam * zeta, v, lam * v / w))
-    for s in tried:
+        s = Solution(w, zeta * min(0.2 * lam, 1.0), v, lam * v / w)
         begin = run.highs[0] - math.atan2(s.v, s.w * s.D) / s.w
         if math.isfinite(s.t_slip):
             yield s, [begin + shift * period for shift in _SHIFTS]

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from typing import Final
 
 import numpy as np
@@ -13,9 +13,9 @@ from scipy.stats import t as student
 from stickslip_score import Solution, by_cycle
 
 from ..axis import Axis
-from .block import DRIFTS, Block, fitted_block, noise_of
+from .block import COEFFICIENTS, DRIFTS, LEVELS, LOAD_UP, Block, fitted_block, noise_of
 from .cycles import Run, runs_of
-from .looped import Loop, fitted_loops
+from .looped import Loop, fitted_loop
 from .model import Floats, Identified, Number, Record, Residual, Trace
 from .noise import memory_of
 from .nonlinear import Fitted, Motion
@@ -26,8 +26,6 @@ _FAR: Final = 10.0
 """Of the scatter of a column: a residual that is not its noise; coloured noise has six."""
 _CREEPS: Final = 4.5
 """Deviations of a creep in stick that is none by chance in 100,000 records."""
-_EDGE: Final = 1e-3
-"""Of the damping ratio: how near to a slip without an end a fit tells nothing by its slopes."""
 _NOTHING: Final = 0.25
 """Mean square of a residual, over its noise, that a solver's digits leave."""
 _DIFFERS: Final = 1e-3
@@ -49,14 +47,10 @@ _TOGETHER, _COUNTS = 0.3, 4.0
 _SURELY: Final = 1e-6
 """Chance of a finding that is none: of a drift, a delay."""
 _COLUMNS, _UNITS = {"x": "position", "F": "force"}, {"x": "m", "F": "N"}
-_LEVELS, _COEFFICIENTS = ("friction.F_s", "friction.F_k"), ("friction.mu_s", "friction.mu_k")
-_BY_SPEED: Final = ("gap", "axis.stiffness", "axis.mass", "axis.c")
-_WHYS: Final = dict.fromkeys(_LEVELS, "the zero of the force is taken as true") | dict.fromkeys(
-    _COEFFICIENTS, "the spring is taken as relaxed before the command begins"
+_WHYS: Final = dict.fromkeys(LEVELS, "the zero of the force is taken as true") | dict.fromkeys(
+    COEFFICIENTS, "the spring is taken as relaxed before the command begins"
 )
-_LOAD_UP: Final = (
-    "the position tells (F_s - F_k)/k; a load-up from a relaxed spring tells them apart"
-)
+_AGES: Final = "how friction ages"
 _MEANINGS: Final = {
     "k/m": ("square of the natural frequency", "1/s2"),
     "c/m": ("viscous friction over mass", "1/s"),
@@ -72,7 +66,7 @@ _MEANINGS: Final = {
 }
 
 Fits = Sequence[Fitted[Block]] | Sequence[Fitted[Loop]]
-"""Of runs at several feeds, or of their cycles; of a loop others that are as good."""
+"""Of runs at several feeds, or of their cycles."""
 
 
 def is_stick_slip(record: Record, axis: Axis | None = None) -> str:
@@ -122,45 +116,49 @@ def stick_slip(record: Record, axis: Axis | None = None) -> Identified:
     if not runs:
         raise ValueError(f"no two slips in a row: {every[0].still}")
     fits: Fits
-    notes, faults, unknown, has_force = [], [], {}, "F" in runs[0].columns
+    notes = list[str]()
     if axis is not None and axis.drive is not None:
-        fits = fitted_loops(record, axis, max(runs, key=lambda run: len(run.lows)))
-        faults = [*_faults(fits[:1]), *_faults_of_loop(fits[0])]
-        if not has_force:
-            unknown = dict.fromkeys(
-                _LEVELS, "without the force of the motor its level is not in the record"
-            )
+        fits = [fitted_loop(record, axis, max(runs, key=lambda run: len(run.lows)))]
     else:
-        blocks, found = _with_extras([fitted_block(record, run) for run in runs])
-        faults = [*_faults(blocks), *_misfits(blocks, record)]
-        if math.isnan(runs[0].speed) and "x" not in runs[0].columns:
-            unknown = dict.fromkeys(
-                _BY_SPEED, "the speed of the spring's end is not in the record: state one feed"
-            )
-        if any(DRIFTS[0] in one.motion.extras for one in blocks):
-            unknown |= dict.fromkeys(_LEVELS, "the zero of the force drifts")
-        elif has_force and (axis is None or axis.along == 0.0):
-            found.append("a constant force along the way, if there is one, is in the friction")
-        if not has_force and runs[0].start == -math.inf:
-            unknown = dict.fromkeys(_COEFFICIENTS, _LOAD_UP)
-        if faults:
-            parts = [part for one in blocks for part in one.motion.parted(one.value, _PARTS)]
-            blocks = parts if len(parts) > 1 else blocks
-        elif len(blocks) > 1:
-            gap, spread, *_ = _figures(blocks, axis)["gap"].T
-            motions = [one.motion.motion(one.value) for one in blocks]
-            note, rival = _law_of_gaps(gap, spread, motions)
-            notes += [note] * bool(note)
-            unknown |= {"how friction ages": rival} if rival else {}
-        fits, notes = blocks, [*notes, *found]
-    every_number = _numbers(fits, _figures(fits, axis), parted=bool(faults))
-    numbers = [number for number in every_number if number.name not in unknown]
-    fits = fits[:1] if isinstance(fits[0].motion, Loop) else fits
+        fits, notes = _with_extras([fitted_block(record, run) for run in runs])
+    faults, unknown, parts = [*_faults(fits, record)], fits[0].motion.unknown(), []
+    if faults:
+        pairs = [(one.value, m) for one in fits if isinstance(m := one.motion, Block)]
+        parts = [part for n, block in pairs for part in block.parts(n, _PARTS)]
+        fits = parts if len(parts) > 1 else fits
+    figures = _figures(fits, axis)
+    if len(fits) > 1 and not faults:
+        motions = [m.motion(one.value) for one in fits if isinstance(m := one.motion, Block)]
+        note, rival = _law_of_gaps(figures["gap"], motions)
+        notes, unknown = [*note, *notes], unknown | rival
+    if "friction.F_s" in {*figures} - {*unknown} and not (axis and (axis.along or axis.drive)):
+        notes.append("a constant force along the way, if there is one, is in the friction")
+    numbers = [
+        _number(name, some, fits[0].ends, by_scatter=len(parts) > 1)
+        for name, some in figures.items()
+        if name not in unknown
+    ]
+    memory, step = fits[0].estimate.memory, _step(fits[0].motion.run.t)
+    lag, name = max(memory.samples // 2, 1), [*fits[0].motion.noise][-1]
+    following, cycles = "", sum(len(one.motion.run.highs) for one in fits)
+    if LOAD_UP in unknown.values():
+        following = (
+            "Begin the record before the command, with a relaxed spring: for static friction."
+        )
+    elif numbers:
+        following = (
+            f"{4 * cycles} cycles in place of {cycles} halve the interval of "
+            f"{max(numbers, key=lambda number: number.width).name}, the widest."
+        )
     return Identified(
         kind="stick-slip", reason=reason, numbers=tuple(numbers), missing=tuple(unknown.items()),
-        residual=_residual(fits, tuple(faults)), traces=tuple(_traces(record, fits)),
+        residual=Residual(
+            rms=max(one.motion.noise[name] for one in fits), unit=_UNITS[name],
+            memory=memory.samples * step, faults=tuple(faults),
+            at=(lag * step, float(memory.correlation[lag - 1])) if memory.samples else (0.0, 0.0),
+        ),
+        traces=tuple(_traces(record, fits)), notes=tuple(notes), next_measurement=following,
         segments=tuple(part for one in fits for part in one.motion.segments(one.value)),
-        notes=tuple(notes), next_measurement=_following(numbers, unknown, fits),
     )  # fmt: skip
 
 
@@ -171,10 +169,8 @@ def _with_extras(fits: list[Fitted[Block]]) -> tuple[list[Fitted[Block]], list[s
     for names in (DRIFTS,) * ("F" in columns) + (("delay",),) * (len(columns) > 1):
         wider = [one.motion.more(one, *names) for one in fits]
         moved = np.array([one.value[-len(names) :] for one in wider])
-        some = [one.covariance[-len(names) :, -len(names) :] for one in wider]
-        square = sum(
-            by @ np.linalg.pinv(C, hermitian=True) @ by for by, C in zip(moved, some, strict=True)
-        )
+        some = np.array([one.covariance[-len(names) :, -len(names) :] for one in wider])
+        square = np.einsum("ij,ijk,ik", moved, np.linalg.pinv(some, hermitian=True), moved)
         if chi2.sf(square, moved.size) < _SURELY:
             fits = wider
             notes.append(
@@ -185,77 +181,53 @@ def _with_extras(fits: list[Fitted[Block]]) -> tuple[list[Fitted[Block]], list[s
     return fits, notes
 
 
-def _faults(fits: Fits) -> Iterator[str]:
-    """Yield what residuals show that the model has not."""
-    shapes, wanders, ends = set(), False, False
-    for one in fits:
-        t, (after, period) = one.motion.run.t, one.motion.cycles(one.value)
-        ends |= math.isnan(period)
-        for name, r in zip(one.motion.noise, one.residual, strict=True):
-            if math.isnan(period) or np.mean(r * r) < _NOTHING:
-                continue
-            if by_cycle(t, r, after, period)[0] and after[-1] >= 3.0 * period:
-                shapes.add(_COLUMNS[name])
-            wanders |= memory_of([r - np.mean(r)]).samples * _step(t) > period
-    if ends:
-        yield "the nearest motion of the block does not stick again"
-    if shapes:
-        yield (
-            f"the residual of the {' and '.join(sorted(shapes))} repeats from cycle to cycle: "
-            "friction or spring are not of the block's kind"
-        )
-    if wanders:
-        yield "the cycles are not alike: break-away or zero wander from cycle to cycle"
-
-
 def _step(t: Floats) -> float:
     return float(np.median(np.diff(t)))
 
 
-def _faults_of_loop(found: Fitted[Loop]) -> Iterator[str]:
-    """Yield why a fit of a loop tells nothing."""
-    axis = found.motion.candidate(found.value)
-    if math.sqrt(axis.k / axis.m) * _step(found.motion.run.t) > _SPARSE:
-        yield "the samples are too far apart to show a slip"
-    if not found.left_is_little:
-        yield "no motion of the loop is like the record: the search did not come to an end"
-
-
-def _misfits(fits: list[Fitted[Block]], record: Record) -> Iterator[str]:
-    """Yield where a fit leaves far more than the noise, or the table creeps in stick."""
-    far = dict[str, float]()
+def _faults(fits: Fits, record: Record) -> Iterator[str]:
+    """Yield what fits show that the model has not, or where they tell nothing."""
+    faults = dict[str, list[str]]()
     for one in fits:
-        own = noise_of(record, one.motion.run)
-        far |= {n: max(far.get(n, 0.0), e / own[n]) for n, e in one.motion.noise.items()}
-    faults = [
-        f"the fit leaves {times:.2g} times the noise of the {_COLUMNS[name]}: "
-        "the cycles are not those of one block"
-        for name, times in far.items()
-        if times > _FAR
-    ]
-    motions = [one.motion.motion(one.value) for one in fits]
-    if any(math.isinf(Solution(s.w, s.zeta + _EDGE, s.v, s.D).t_slip) for s in motions):
-        faults.append("the fit ends where a slip would slide on: damping and gap are not told")
-    yield from faults
-    if not faults and max(map(_creeps, fits)) > _CREEPS:
-        yield "the table creeps between its slips: friction is not of Coulomb's kind"
+        motion, own, step = one.motion, noise_of(record, one.motion.run), _step(one.motion.run.t)
+        after, period = motion.cycles(one.value)
+        endless = math.isnan(period)
+        w = math.sqrt(motion.figures(one.value, None)["k/m"])
+        for (name, e), r in zip(motion.noise.items(), one.residual, strict=True):
+            noisy = not endless and np.mean(r * r) > _NOTHING
+            repeats = noisy and by_cycle(motion.run.t, r, after, period)[0]
+            shown = {
+                "the residual of the {} repeats from cycle to cycle: friction or spring are not of "
+                "the block's kind": repeats and after[-1] >= 3.0 * period,
+                "the cycles are not alike: break-away or zero wander from cycle to cycle": noisy
+                and one.estimate.memory.samples * step > period,
+                "the fit leaves far more than the noise of the {}: the cycles are not those of one "
+                "block": e > _FAR * own[name],
+                "the table creeps between its slips: friction is not of Coulomb's kind": not endless
+                and e <= _FAR * own[name]
+                and _creeps(one) > _CREEPS,
+                "the samples are too far apart to show a slip": w * step > _SPARSE,
+                "the fit ends where a slip would slide on: damping and gap are not told": endless,
+                "no motion is like the record: the search did not come to an end": not one.ended,
+            }
+            for fault in (fault for fault, is_so in shown.items() if is_so):
+                faults.setdefault(fault, []).append(_COLUMNS[name])
+    for fault, columns in faults.items():
+        yield fault.format(" and ".join(sorted({*columns})))
 
 
-def _creeps(one: Fitted[Block]) -> float:
-    """Return the deviations by which the table creeps between its slips."""
-    block, (after, period) = one.motion, one.motion.cycles(one.value)
-    t_slip = block.motion(one.value).t_slip
-    within = after % period
-    rise = (within - t_slip) / (period - t_slip) - 0.5
-    way = np.where(within < t_slip, 0.5 - within / t_slip, rise) * (after >= 0.0)
-    by = {"x": 1.0, "F": -block.by_name(one.value).get("k", 0.0)}
-    seen = np.concatenate([way * by[name] / e for name, e in block.noise.items()])
-    # Only what the numbers of the block cannot follow tells a creep.
+def _creeps(one: Fitted[Block] | Fitted[Loop]) -> float:
+    """Return the deviations by which a table that is seen creeps between its slips."""
+    motion = one.motion
+    if isinstance(motion, Loop):
+        return 0.0
+    creep = motion.creep(one.value)
+    # Only what the numbers cannot follow tells a creep.
     J = one.jacobian / (np.linalg.norm(one.jacobian, axis=0) + 1e-300)
-    seen -= J @ np.linalg.lstsq(J, seen, rcond=None)[0]
+    creep -= J @ np.linalg.lstsq(J, creep, rcond=None)[0]
     longest = max(memory_of([r - np.mean(r)]).samples for r in one.residual)
-    power = np.linalg.norm(seen) * math.sqrt(1.0 + 2.0 * longest)
-    return float(abs(seen @ np.concatenate(one.residual)) / power)
+    power = np.linalg.norm(creep) * math.sqrt(1.0 + 2.0 * longest)
+    return float(abs(creep @ np.concatenate(one.residual)) / power)
 
 
 def _figures(fits: Fits, axis: Axis | None) -> dict[str, Floats]:
@@ -273,39 +245,37 @@ def _figures(fits: Fits, axis: Axis | None) -> dict[str, Floats]:
     return {name: np.array(some) for name, some in figures.items()}
 
 
-def _numbers(fits: Fits, figures: dict[str, Floats], *, parted: bool) -> Iterator[Number]:
-    """Yield numbers, each the mean over runs, wider where they differ; of cycles by scatter."""
-    for name, some in figures.items():
-        (own, spread, lows, highs), why = some.T, _WHYS.get(name, "")
-        weight, n = spread**-2.0 / np.sum(spread**-2.0), len(own)
-        value, low, high = float(weight @ own), float(lows[0]), float(highs[0])
-        if isinstance(fits[0].motion, Loop):
-            value, low, high = float(own[0]), float(lows.min()), float(highs.max())
-            why = "other numbers move the axis as well like this" if n > 1 else ""
-        elif parted and n > 1:
-            value = float(np.mean(own))
-            half = float(student.ppf(0.975, n - 1) * np.std(own, ddof=1)) / math.sqrt(n)
-            low, high = value - half, value + half
-        elif n > 1:
-            low, high = fits[0].ends(value, float(np.sum(spread**-2.0)) ** -0.5)
-            if chi2.sf(np.sum(((own - value) / spread) ** 2), n - 1) < _DIFFERS:
-                half, why = float(np.max(np.abs(own - value))), "it differs from feed to feed"
-                low, high = low - half, high + half
-        meaning, unit = _MEANINGS[name]
-        if name in ("c/m", "axis.c"):
-            # Friction brakes: below 0 noise alone has moved it.
-            value, low, high = max(value, 0.0), max(low, 0.0), max(high, high - value, 0.0)
-        yield Number(
-            name=name, meaning=meaning, unit=unit, value=value, low=low, high=high,
-            why=why,
-        )  # fmt: skip
+def _number(
+    name: str, some: Floats, ends: Callable[[float, float], tuple[float, float]], *,
+    by_scatter: bool,
+) -> Number:  # fmt: skip
+    """Return a number, the mean over runs, wider where they differ; over cycles by scatter."""
+    own, spread, lows, highs = some.T
+    n, weight, why = len(own), spread**-2.0, _WHYS.get(name, "")
+    value, deviation = float(weight @ own / weight.sum()), float(weight.sum()) ** -0.5
+    low, high = ends(value, deviation) if n > 1 else (float(lows[0]), float(highs[0]))
+    if by_scatter:
+        value = float(np.mean(own))
+        half = float(student.ppf(0.975, n - 1) * np.std(own, ddof=1)) / math.sqrt(n)
+        low, high = value - half, value + half
+    elif n > 1 and chi2.sf(np.sum(((own - value) / spread) ** 2), n - 1) < _DIFFERS:
+        half, why = float(np.max(np.abs(own - value))), "it differs from feed to feed"
+        low, high = low - half, high + half
+    if name in ("c/m", "axis.c"):
+        # Friction brakes: below 0 noise alone has moved it.
+        value, low, high = max(value, 0.0), max(low, 0.0), max(high, high - value, 0.0)
+    meaning, unit = _MEANINGS[name]
+    return Number(
+        name=name, meaning=meaning, unit=unit, value=value, low=low, high=high,
+        why=why,
+    )  # fmt: skip
 
 
-def _law_of_gaps(gap: Floats, spread: Floats, motions: list[Solution]) -> tuple[str, str]:
+def _law_of_gaps(some: Floats, motions: list[Solution]) -> tuple[list[str], dict[str, str]]:
     """Say how the gap goes with the feed, by Akaike's criterion for few numbers; or why not."""
-    n, scores = len(gap), dict[str, float]()
+    (gap, spread), n, scores = some.T[:2], len(some), dict[str, float]()
     if n < 4:
-        return "", "fewer than four feeds do not tell how the gap goes with them"
+        return [], {_AGES: "fewer than four feeds do not tell how the gap goes with them"}
     laws = {
         "the gap is the same at all feeds": [0.0] * n,
         "the gap grows with the logarithm of the time at rest": [
@@ -320,21 +290,8 @@ def _law_of_gaps(gap: Floats, spread: Floats, motions: list[Solution]) -> tuple[
         scores[law] = square + 2.0 * p * n / (n - p - 1) if b[1] >= 0.0 else math.inf
     best, following = sorted(scores, key=lambda law: scores[law])[:2]
     clear = scores[following] - scores[best] >= _CLEARLY
-    return best, "" if clear else f"{best}, or {following}: these feeds do not tell"
-
-
-def _residual(fits: Fits, faults: tuple[str, ...]) -> Residual:
-    """Return what the fits leave, of the force where there is one."""
-    name = [*fits[0].motion.noise][-1]
-    parts = [one.residual[-1] for one in fits]
-    memory = memory_of([part - np.mean(part) for part in parts])
-    step, lag = _step(fits[0].motion.run.t), max(memory.samples // 2, 1)
-    return Residual(
-        rms=max(one.motion.noise[name] for one in fits), unit=_UNITS[name],
-        memory=memory.samples * step,
-        at=(lag * step, float(memory.correlation[lag - 1])) if memory.samples else (0.0, 0.0),
-        faults=faults,
-    )  # fmt: skip
+    rival = f"{best}, or {following}: these feeds do not tell"
+    return [best], {} if clear else {_AGES: rival}
 
 
 def _traces(record: Record, fits: Fits) -> Iterator[Trace]:
@@ -350,16 +307,3 @@ def _traces(record: Record, fits: Fits) -> Iterator[Trace]:
             name=_COLUMNS[name], unit=_UNITS[name], t=t[every],
             measured=getattr(record, _COLUMNS[name])[every], fitted=fitted[every],
         )  # fmt: skip
-
-
-def _following(numbers: list[Number], unknown: dict[str, str], fits: Fits) -> str:
-    """Return what to measure next."""
-    if not numbers:
-        return ""
-    if _LOAD_UP in unknown.values():
-        return "Begin the record before the command, with the spring relaxed: for static friction."
-    widest = max(numbers, key=lambda number: number.width)
-    cycles = sum(len(one.motion.run.highs) for one in fits)
-    return (
-        f"{4 * cycles} cycles in place of {cycles} halve the interval of {widest.name}, the widest."
-    )

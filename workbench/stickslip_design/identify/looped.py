@@ -13,7 +13,6 @@ from itertools import product
 from typing import Final
 
 import numpy as np
-from scipy.interpolate import CubicSpline
 from scipy.signal import correlate, detrend
 
 from ..axis import Axis, Friction
@@ -21,24 +20,21 @@ from ..loop.jumps import loaded
 from ..loop.motion import Point, Watched, walk
 from ..loop.native import over_sample
 from ..loop.system import FORCE, INTEGRAL, LAST, MOTOR, MOTOR_SPEED, TABLE, Mode, System
-from .block import noise_of
+from .block import LEVELS, noise_of
 from .cycles import Run
 from .model import Floats, Record
 from .nonlinear import Columns, Fitted, Motion, weighed
 
 _SETTLED, _SETTLES = 4, 13
 """Cycles whose mean is the period, and after which the start is forgotten."""
-_TRIES, _CLOSE = 8, 1e-4
+_TRIES: Final = 6
 """Of gaps, until the period is that of the record."""
 _STIFFNESSES, _MASSES, _DAMPING = (0.5, 0.75, 1.0, 1.4, 2.0), (0.7, 1.3), 0.02
 """Where the search starts: stiffness and mass over those of the axis, and the least damping."""
-_STARTS, _CYCLES = 3, (2.4, 4.8, 24.0)
-"""Starts that are followed, and over how many cycles one after the other."""
+_STAGES: Final = ((2.4, 3), (4.8, 3), (24.0, 2))
+"""Cycles over which the best are searched from, one after the other, and how many of them."""
 _ROUGHLY, _ROUGH, _FINELY, _FINE = 20, 1e-4, 50, 1e-6
 """Trials, and the gain of a step at the end: of first searches, and of the last ones."""
-_HOPELESS, _AS_GOOD, _SAME = 1.0, 9.0, 0.03
-"""Twice the logarithm of the likelihood by which others are worse that are not followed, of each
-sample; and that are as good, of all; mass and stiffness of others that are the same, relative."""
 _SHIFTS: Final = 256
 """Places over a cycle at which a start is tried."""
 _BLOCK: Final = 256
@@ -63,8 +59,8 @@ class Loop(Motion):
     """A servo axis over a run of cycles, the table at rest in its first sample.
 
     The numbers are ln m, ln k, the damping over that at which the table would creep back,
-    ln (F_s - F_k); place, speed and force of the motor, integral and set point at the first sample:
-    each less that of the start; then the level of x and the kinetic friction.
+    ln (F_s - F_k); at the first sample place of the motor, integral, set point, speed and force of
+    the motor; each less that of the start; then the level of x and the kinetic friction.
     """
 
     axis: Axis
@@ -134,13 +130,10 @@ class Loop(Motion):
             while events:
                 motion.go_on((at - _LATE) * T_s - events[0].time)
                 events = motion.turns(1)
-        seen = seen[:count] - [0.0, self.axis.F_k]
-        seen, near = np.nan_to_num(seen, nan=_NO, posinf=_NO, neginf=-_NO), np.round(t / T_s)
-        if np.abs(t / T_s - near).max() < 1e-3:
-            seen = seen[near.astype(int)]
-        else:
-            seen = CubicSpline(np.arange(count), seen)(t / T_s)
-        return {"x": seen[:, 0], "F": seen[:, 1]}
+        seen = np.nan_to_num(seen[:count] - [0.0, self.axis.F_k], nan=_NO, posinf=_NO, neginf=-_NO)
+        # Between the samples of the controller, where the record has others, it is nearly straight.
+        x, F = (np.interp(t / T_s, np.arange(count), column) for column in seen.T)
+        return {"x": x, "F": F}
 
     def _begun(self, system: System, n: Floats) -> Floats:
         """Return the state at the first sample."""
@@ -149,17 +142,15 @@ class Loop(Motion):
         force = 3.0 * (self.axis.F_s - self.axis.F_k)
         # The spring's force stays as it is where its stiffness varies, and what follows the motor.
         motor = n[4] * force / k + state[MOTOR] * (self.axis.k / k - 1.0)
-        speed = n[5] * self.whole.speed
-        pushed = system.holding(1.0, 0.0) - system.holding(0.0, 0.0)
-        pushed[[INTEGRAL, layout.command, MOTOR, LAST]] = 0.0
-        pushed[FORCE] = float(drive.lag > 0.0)
-        state += pushed * force * n[6]
         state[[MOTOR, LAST]] += motor
         state[layout.command] += motor * (not drive.on_table)
-        state[layout.command] += n[8] * force / (drive.K_p * drive.K_v)
-        state[MOTOR_SPEED] += speed
-        state[LAST] -= drive.T_s * speed
-        state[INTEGRAL] += n[7] * force
+        state[layout.command] += n[6] * force / (drive.K_p * drive.K_v)
+        state[INTEGRAL] += n[5] * force
+        pushed = system.holding(1.0, 0.0) - system.holding(0.0, 0.0)
+        pushed[[INTEGRAL, layout.command, MOTOR, LAST]] = 0.0
+        state += pushed * force * n[8]
+        state[MOTOR_SPEED] += n[7] * self.whole.speed
+        state[LAST] -= n[7] * self.whole.speed * drive.T_s
         return state
 
     def figures(self, n: Floats, _: Axis | None) -> dict[str, float]:
@@ -173,6 +164,11 @@ class Loop(Motion):
         if "F" in self.noise:
             figures |= {"friction.F_s": float(n[-1]) + force, "friction.F_k": float(n[-1])}
         return figures
+
+    def unknown(self) -> dict[str, str]:
+        """Return numbers that the columns do not tell, and why."""
+        why = "without the force of the motor its level is not in the record"
+        return {} if "F" in self.noise else dict.fromkeys(LEVELS, why)
 
     def cycles(self, n: Floats) -> tuple[Floats, float]:
         """Return the times since the begin, and the period [s]."""
@@ -230,7 +226,7 @@ def _placed(loop: Loop) -> Fitted[Loop]:
     )
     n[len(_USUAL) :] = [np.mean(s[at : at + size] - y) for s, y, _ in pairs]
     whole = replace(run.within(float(run.t[at]), math.inf), highs=run.highs)
-    return Fitted(replace(loop, whole=whole).over(_CYCLES[0]), n)
+    return Fitted(replace(loop, whole=whole).over(_STAGES[0][0]), n)
 
 
 def _starts(axis: Axis, run: Run, noise: dict[str, float]) -> Iterator[Fitted[Loop]]:
@@ -241,61 +237,33 @@ def _starts(axis: Axis, run: Run, noise: dict[str, float]) -> Iterator[Fitted[Lo
     for mass, stiffness in product(_MASSES, _STIFFNESSES):
         one = replace(axis, m=mass * axis.m, k=stiffness * axis.k)
         one = replace(one, c=max(axis.c, 2.0 * _DAMPING * math.sqrt(axis.k * axis.m)))
-        gap, off = one.k * way, math.inf
+        gap = one.k * way
         for _ in range(_TRIES):
-            try:
-                settled = _settled(begun := _rubbing(one, slides, gap), run)
-            except (ValueError, OverflowError, np.linalg.LinAlgError):
-                settled = None
+            settled = _settled(begun := _rubbing(one, slides, gap), run)
             if settled is None:
                 break
-            off = math.log(settled[0] / run.period)
-            if abs(off) < _CLOSE:
-                break
-            gap *= math.exp(-off)
+            gap *= run.period / settled[0]
         if settled is not None:
-            yield _placed(Loop(run, noise, begun, settled[1], run).over(_CYCLES[0]))
+            yield _placed(Loop(run, noise, begun, settled[1], run).over(_STAGES[0][0]))
 
 
-def fitted_loops(record: Record, axis: Axis, run: Run) -> list[Fitted[Loop]]:
-    """Return the best fit of a run with its own noise, and others that are as good.
+def fitted_loop(record: Record, axis: Axis, run: Run) -> Fitted[Loop]:
+    """Return the fit of a run with its own noise, from the best of several starts.
 
     ValueError where the axis as stated does not jump at this feed.
     """
     run = _begun(run)
-    found = sorted(_starts(axis, run, noise_of(record, run)), key=_square)[:_STARTS]
+    found = [*_starts(axis, run, noise_of(record, run))]
     if not found:
         raise ValueError(
             "the axis as its file states it does not jump at this feed: nothing to fit"
         )
-    for count in _CYCLES:
+    for count, most in _STAGES:
+        best = sorted(found, key=_likelihood)[:most]
         # Far from the minimum what is usual of a start counts as much as the residual.
-        wider = [Fitted(one.motion.over(count), one.value) for one in found]
-        rough = [weighed(one, _ROUGHLY, _ROUGH) for one in wider]
-        found = _apart(rough, _HOPELESS * rough[0].residual[0].size)
-        if count >= len(run.highs):
-            break
-    found = [weighed(weighed(one, _FINELY, _FINE), _FINELY, _FINE) for one in found]
-    return _apart(found, _AS_GOOD)
-
-
-def _apart(found: list[Fitted[Loop]], worst: float) -> list[Fitted[Loop]]:
-    """Return fits at other numbers each, that are not worse than the best by so much."""
-    apart = list[Fitted[Loop]]()
-    for one in sorted(found, key=_likelihood):
-        table = _table(one)
-        if all(np.abs(table - _table(other)).max() > _SAME for other in apart):
-            apart += [one] * (_likelihood(one) < _likelihood((apart or [one])[0]) + worst)
-    return apart
-
-
-def _table(found: Fitted[Loop]) -> Floats:
-    axis = found.motion.candidate(found.value)
-    return np.log([axis.m, axis.k])
-
-
-def _square(found: Fitted[Loop]) -> float:
-    return sum(float(r @ r) for r in found.residual)
+        wider = [Fitted(one.motion.over(count), one.value) for one in best]
+        found = [weighed(one, _ROUGHLY, _ROUGH) for one in wider]
+    return weighed(weighed(min(found, key=_likelihood), _FINELY, _FINE), _FINELY, _FINE)
 
 
 def _likelihood(found: Fitted[Loop]) -> float:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Final, Generic, TypeVar
@@ -58,14 +58,6 @@ class Motion(ABC):
     def figures(self, n: Floats, axis: Axis | None) -> dict[str, float]:
         """Return what the columns tell of the axis, by name."""
 
-    @abstractmethod
-    def cycles(self, n: Floats) -> tuple[Floats, float]:
-        """Return the times since a break-away, and the period [s]."""
-
-    @abstractmethod
-    def segments(self, n: Floats) -> Iterator[tuple[float, float, str]]:
-        """Yield parts of the run: begin and end [s], and what they are."""
-
 
 M = TypeVar("M", bound=Motion)
 
@@ -90,7 +82,7 @@ class Fitted(Generic[M]):
         )
 
     @cached_property
-    def _estimate(self) -> noise.Estimate:
+    def estimate(self) -> noise.Estimate:
         """Of a whole step of Gauss and Newton from here: what the search has left to go."""
         lengths = np.maximum(np.sqrt(np.sum(self.jacobian**2, axis=0)), 1e-100)
         known = np.minimum(self.motion.usual, _UNKNOWN / lengths)
@@ -105,13 +97,13 @@ class Fitted(Generic[M]):
     @property
     def covariance(self) -> Floats:
         """Covariance of the numbers, shape (p, p): of noise, and of a search that has not ended."""
-        estimate = self._estimate
+        estimate = self.estimate
         return estimate.covariance + np.outer(estimate.value, estimate.value)
 
     @property
-    def left_is_little(self) -> bool:
+    def ended(self) -> bool:
         """Whether what the search has left to go is within the noise."""
-        fitted = self._estimate.fitted
+        fitted = self.estimate.fitted
         return float(fitted @ fitted) < _LITTLE * self.value.size
 
     def deviations(self, of: Callable[[Floats], Floats]) -> Floats:
@@ -123,7 +115,7 @@ class Fitted(Generic[M]):
 
     def ends(self, value: float, deviation: float) -> tuple[float, float]:
         """Return the interval of 95 % of a value with a standard deviation."""
-        half = float(student.ppf(0.5 + 0.5 * noise.SURE, self._estimate.freedom)) * deviation
+        half = float(student.ppf(0.5 + 0.5 * noise.SURE, self.estimate.freedom)) * deviation
         if not _CURVED * value < half < value:
             return value - half, value + half
         return value * math.exp(-half / value), value * math.exp(half / value)
