@@ -40,7 +40,7 @@ _MUCH: Final = 0.3
 """Of the time in which the command moves: in cycles."""
 _ONE_WAY: Final = 0.8
 """Of its range: how far the table gets."""
-_EVENLY, _VERY_EVENLY = 0.4, 0.1
+_EVENLY, _EVENLY_OF_MOTOR, _VERY_EVENLY = 0.4, 0.3, 0.1
 """Deviation of the times from cycle to cycle, over their mean: cycles; and beyond doubt."""
 _TOGETHER, _COUNTS = 0.3, 4.0
 """Correlation of force and spring, and counts of an encoder by which that falls in a slip."""
@@ -78,7 +78,7 @@ def is_stick_slip(record: Record, axis: Axis | None = None) -> str:
         every = runs_of(record, axis)
     except ValueError:
         return ""
-    runs = [run for run in every if not run.still and _is_even(run, record)]
+    runs = [run for run in every if not run.still and _is_even(run, record, axis)]
     lasts = sum(run.highs[-1] - run.highs[0] for run in runs)
     if not runs or lasts < _MUCH * sum(float(run.t[-1] - run.t[0]) for run in every):
         return ""
@@ -86,13 +86,16 @@ def is_stick_slip(record: Record, axis: Axis | None = None) -> str:
     return f"the table rests and slips {slips} times while the command goes one way"
 
 
-def _is_even(run: Run, record: Record) -> bool:
+def _is_even(run: Run, record: Record, axis: Axis | None) -> bool:
     """Return whether cycles come evenly, and fall by more than the counts of an encoder."""
     highs, lows = np.array(run.highs), np.array(run.lows)
     spans, x, F = np.diff(highs), run.columns.get("x"), run.columns.get("F")
     uneven = float(np.std(spans) / np.mean(spans)) if len(spans) > 2 else math.inf
     if _EVENLY < uneven < math.inf:
         return False
+    if axis is not None and axis.drive is not None and not axis.drive.on_table:
+        # A motor does not move as its table does.
+        return uneven < _EVENLY_OF_MOTOR
     if x is None:
         return True
     speed = run.speed

@@ -48,10 +48,11 @@ _FINENESS: Final = 2e-4
 _UNSEEN, _FEWEST = 4, 3
 """Cycles of the start, and those that are fitted at least."""
 _USUAL: Final = (0.5, 0.5, 0.1, 0.5, 1.0, 1.0, 1.0, 1.0, 1.0)
-_STEPS: Final = (1e-4, 1e-4, 1e-4, 1e-4, 1e-3, 1e-3, 1e-3, 1e-3, 1e-3)
+_STEPS: Final = (1e-6, 1e-6, 1e-6, 1e-6, 1e-5, 1e-5, 1e-5, 1e-5, 1e-5)
 _FARTHEST: Final = ((-1.2, -1.2, -0.1, -2.5), (1.2, 1.2, 1.0, 2.5))
 """Of the numbers but the levels: how far from where a search begins they usually are; steps of
-difference quotients; and beyond what the first four are not tried."""
+difference quotients, which change by 0.1 % from 1e-5 to 1e-7: what bends over a wider one would
+tell a direction that the record does not; and beyond what the first four are not tried."""
 
 
 @dataclass(frozen=True, eq=False)
