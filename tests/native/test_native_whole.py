@@ -257,6 +257,56 @@ def test_no_setting_is_too_stiff(law: str, sized: Sized) -> None:
     assert cycles > 0.4 * count
 
 
+MIRRORED = [
+    {"c": 1e3, "z_start": 0.01, "v": 1e-5},
+    {"c": 1e6, "theta_start": 1e-20, "z_start": 1e-3, "mu_0": 0.0},  # the damping takes the force
+    {"c": 268.0, "k": 1e6, "z_start": 5.6e-4, "v": 0.0, "mu_0": 0.0},  # comes to rest
+]
+
+
+@pytest.mark.parametrize("given", MIRRORED)
+def test_without_inertia_a_motion_has_its_mirror(given: dict[str, float]) -> None:
+    """The velocity from the balance of forces is the same forward and backward, to the bit."""
+    given = {"inertia": 2.0, "v": 0.02} | given
+    one = Run("rate_state", given)
+    other = Run("rate_state", given | {"z_start": -given["z_start"], "v": -given["v"]})
+    now, mirror = one.advance(10.0), other.advance(10.0)
+    for name in ("z", "x", "x_dot", "delta_x", "x_dot_peak"):
+        assert now[name] == -mirror[name], name
+    for name in ("Q_friction", "theta", "t_slip"):
+        assert now[name] == mirror[name], name
+    assert one.lost(now) < 1e-11
+
+
+def test_a_velocity_passes_zero_where_friction_is_viscous() -> None:
+    """Far below V_0 exp(-mu_0/a) the forces round by more than friction changes."""
+    run = Run("rate_state", {"b": 0.0, "mu_0": 0.002, "v": 1e-8, "V_0": 1e-9, "load": 220.0,
+                             "k": 2.5e7, "z_start": 0.0, "x_dot_start": 0.0})  # fmt: skip
+    run.block.set("F_ext", -40.0)
+    now = run.advance(400.0)
+    normal = 220.0 + run.values["m"] * G
+    friction = 0.01 * math.asinh(5.0 * math.exp(0.2)) * normal + run.values["c"] * 1e-8
+    assert now["F"] - 40.0 == pytest.approx(friction, rel=1e-9)
+
+
+def test_heat_is_as_good_as_the_motion() -> None:
+    run = Run("lugre", {"sigma_0": 1e9, "sigma_1": 1e9})
+    now = run.advance(10.0)
+    assert now["n_slips"] > 9
+    assert run.lost(now) < 1e-9
+
+
+@pytest.mark.parametrize("law", ["lugre", "rate_state"])
+def test_minus_zero_is_zero(law: str) -> None:
+    read = []
+    for v in (0.0, -0.0):
+        run = Run(law, {})
+        run.advance(0.7)
+        run.block.set("v", v)
+        read.append(run.advance(1.0))
+    assert read[0] == read[1]
+
+
 EXTREMES = [
     ("lugre", PUBLISHED | {"sigma_0": 1e12, "sigma_1": 1e6}, 60.0),
     ("lugre", PUBLISHED | {"sigma_0": 1e12, "sigma_1": 0.0}, 0.02),

@@ -16,6 +16,8 @@ static const double LEAST_FRICTION = 1e-12;
 static const double LEAST_FORCE = 0.01;
 /* How much less than others the errors of a slow velocity count, which bristles damp. */
 static const double SLOW = 1e5;
+/* How much less the errors of heat count than those of the motion. */
+static const double HEAT = 10.0;
 /* By how much the velocity may grow in a stride: an implicit method steps over a break-away. */
 static const double MOST_GROWTH = 30.0;
 /* By how much it may fall in one that begins above v_s, which may pass the rise of friction. */
@@ -40,7 +42,8 @@ static enum refusal lugre_under(struct friction *made, const struct settings *se
         .mu_k_used = used,
         .medium = {
             .m = settings->m, .k = settings->k, .c = settings->c,
-            .v = settings->v, .F_ext = settings->F_ext,
+            .v = settings->v + 0.0, /* -0.0 is 0 */
+            .F_ext = settings->F_ext,
             .kinetic = made->kinetic, .gap = made->gap,
             .floor = LEAST_FRICTION * settings->m * settings->g,
             .least = LEAST_FORCE * settings->m * settings->g,
@@ -67,7 +70,7 @@ struct own medium_changed(const struct friction *it, struct own before)
     return before;
 }
 
-void medium_start(const struct medium *it, double z, double x_dot, const struct own *own,
+void medium_start(struct medium *it, double z, double x_dot, const struct own *own,
                   double y[COLUMNS])
 {
     (void)it, (void)z;
@@ -144,6 +147,7 @@ void medium_scales(const struct medium *it, struct system *system)
     const double force = it->kinetic + it->gap > it->floor ? it->kinetic + it->gap : it->floor;
     const double whole = fmax(force, it->least), bend = 10.0 * force / it->sigma_0;
     const double length = whole / it->k, fast = fmax(fabs(it->v), whole / sqrt(it->m * it->k));
+    system->heat = HEAT * whole * length;
     system->scales[GROWTH] = (struct scale){length, 0.0, length};
     system->scales[VELOCITY] = (struct scale){SLOW * creep(it), SLOW, fast};
     system->scales[BRISTLES] = (struct scale){bend, 1.0, HUGE_VAL};

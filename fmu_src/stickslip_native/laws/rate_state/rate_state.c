@@ -19,8 +19,10 @@ static const double LEAST_NORMAL = 1e-12;
 static const double MOST_GROWTH = 3.0;
 /* The velocities whose sign does not act, in parts of V_0, and the least one. */
 static const double LEAST_SPEED = 1e-9, LEAST = 1e-300;
-/* Where the logarithm of the velocity becomes the velocity, in parts of V_0. */
+/* Where the logarithm of the velocity becomes the velocity at the latest, in parts of V_0. */
 static const double REFERENCE = 1e-12;
+/* A pull less than this part of a N moves nothing. */
+static const double LEAST_PULL = 1e-22;
 
 static enum refusal rate_state_under(struct friction *made, const struct settings *settings,
                                      const struct friction *before)
@@ -36,7 +38,7 @@ static enum refusal rate_state_under(struct friction *made, const struct setting
         .m = settings->m,
         .k = settings->k,
         .c = settings->c,
-        .v = settings->v,
+        .v = settings->v + 0.0, /* -0.0 is 0 */
         .F_ext = settings->F_ext,
         .normal = normal,
         .mu_0 = settings->mu_0,
@@ -44,7 +46,6 @@ static enum refusal rate_state_under(struct friction *made, const struct setting
         .b = settings->b,
         .D_c = settings->D_c,
         .V_0 = settings->V_0,
-        .V_ref = REFERENCE * settings->V_0,
         .phi_start = log(settings->V_0 * settings->theta_start / settings->D_c),
         .evolution = (int)settings->evolution,
         .inertia = (int)settings->inertia,
@@ -84,38 +85,56 @@ static double coefficient(const struct medium *it, double x_dot, double phi)
     return x_dot == 0.0 ? 0.0 : copysign(mu, x_dot);
 }
 
-/* Without inertia the forces balance. */
+/* Without inertia the forces balance: of the spring, along the way [N], without its sign. */
 struct balance {
     const struct medium *medium;
-    double force, phi; /* of the spring, along the way [N] */
+    double force, phi;
 };
+
+/* The speed at a coefficient, and its slope. */
+static double speed_at(const struct medium *it, double mu, double phi, double *slope)
+{
+    const double ahead = it->V_0 * exp((mu - it->mu_0 - it->b * phi) / it->a);
+    *slope = ahead * (1.0 + exp(-2.0 * mu / it->a)) / it->a;
+    return ahead * -expm1(-2.0 * mu / it->a);
+}
 
 static void balance_graph(const void *context, double at, double *value, double *slope)
 {
     const struct balance *it = context;
-    const struct medium *medium = it->medium;
-    const double psi = medium->mu_0 + medium->b * it->phi;
-    const double forward = medium->V_0 * exp((at - psi) / medium->a);
-    const double backward = medium->V_0 * exp(-(at + psi) / medium->a);
-    *value = it->force - medium->normal * at - medium->c * (forward - backward);
-    *slope = -medium->normal - medium->c * (forward + backward) / medium->a;
+    double steeper;
+    const double speed = speed_at(it->medium, at, it->phi, &steeper);
+    *value = it->force - it->medium->normal * at - it->medium->c * speed;
+    *slope = -it->medium->normal - it->medium->c * steeper;
 }
 
-/* The velocity without inertia; backward to the bit that of a force forward. */
+/* The velocity without inertia. */
 static double balanced(const struct medium *it, double z, double phi)
 {
-    const double force = it->k * z + it->F_ext, psi = it->mu_0 + it->b * phi;
+    const double force = it->k * z + it->F_ext;
     const struct balance balance = {it, fabs(force), phi};
-    double mu = balance.force / it->normal;
-    if (it->c > 0.0 && mu > 0.0) mu = falling_zero(balance_graph, &balance, 0.0, mu);
-    return copysign(it->V_0 * (exp((mu - psi) / it->a) - exp(-(mu + psi) / it->a)), force);
+    double mu = balance.force / it->normal, slope;
+    if (mu < LEAST_PULL * it->a) return 0.0;
+    if (it->c > 0.0) mu = falling_zero(balance_graph, &balance, 0.0, mu);
+    return copysign(speed_at(it, mu, phi, &slope), force);
 }
 
-void medium_start(const struct medium *it, double z, double x_dot, const struct own *own,
+/* Where the logarithm of the velocity becomes the velocity [m/s]: as in mu, where rounding of the
+ * forces would else be seen near rest, but not where damping or v is less. */
+static double reference(const struct medium *it, double phi)
+{
+    double most = it->V_0 * exp(-fmax((it->mu_0 + it->b * phi) / it->a, 0.0));
+    if (it->c > 0.0) most = fmin(most, it->a * it->normal / it->c);
+    if (it->v != 0.0) most = fmin(most, fabs(it->v));
+    return fmax(most, REFERENCE * it->V_0);
+}
+
+void medium_start(struct medium *it, double z, double x_dot, const struct own *own,
                   double y[COLUMNS])
 {
     for (int i = 0; i < COLUMNS; i++) y[i] = 0.0;
     y[PHI] = own->state;
+    it->V_ref = reference(it, own->state);
     y[Q] = asinh((it->inertia == INERTIA ? x_dot : balanced(it, z, own->state)) / it->V_ref);
 }
 
@@ -185,6 +204,7 @@ void medium_field(const void *whole, const double y[COLUMNS], double rates[COLUM
 void medium_scales(const struct medium *it, struct system *system)
 {
     const double length = it->a * it->normal / it->k;
+    system->heat = HUGE_VAL;
     system->scales[GROWTH] = (struct scale){length, 0.0, length};
     system->scales[Q] = system->scales[PHI] = (struct scale){1.0, 0.0, 1.0};
 }

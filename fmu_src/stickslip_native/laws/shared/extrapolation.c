@@ -94,7 +94,8 @@ static void add_row(const struct system *system, const double from[COLUMNS],
 static double error_of(const struct system *system, const double from[COLUMNS],
                        const double to[COLUMNS], const double before[COLUMNS])
 {
-    double worst = 0.0;
+    double worst = fabs(to[COLUMNS - 1] - before[COLUMNS - 1]) / system->heat;
+    if (!(worst >= 0.0)) worst = HUGE_VAL;
     for (int i = 0; i < UNKNOWNS; i++) {
         const double size = fmax(fabs(from[i]), fabs(to[i]));
         const struct scale *scale = &system->scales[i];

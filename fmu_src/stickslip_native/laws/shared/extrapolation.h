@@ -30,6 +30,7 @@ struct system {
     reach *reach;
     const void *context;
     struct scale scales[UNKNOWNS];
+    double heat; /* errors of the last sum count relative to this */
 };
 
 /* A step as it is tried or done: its length and the rows of its table. */

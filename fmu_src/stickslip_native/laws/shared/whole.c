@@ -101,7 +101,7 @@ enum refusal whole_arc(const struct friction *it, const struct start *start, str
     if (!(start->own.rows >= 0.0 && start->own.rows <= MOST_ROWS)) return NO_SUCH_STATE;
     struct stride tried = {.length = start->own.stride, .rows = (int)start->own.rows};
     const struct system system = system_of(&whole);
-    const double v = it->settings.v;
+    const double v = whole.medium.v;
     medium_start(&whole.medium, start->z, start->x_dot, &start->own, whole.from);
     const struct speed speed = speed_of(&whole, whole.from);
     whole.direction = copysign(1.0, speed.x_dot != 0.0    ? speed.x_dot
@@ -151,9 +151,9 @@ enum refusal whole_begin(const struct friction *it, int mode, double z, double x
     double from[COLUMNS];
     (void)age;
     start.own = own == NULL ? medium_own(it) : medium_changed(it, *own);
-    medium_start(medium_of(it), z, x_dot, &start.own, from);
     struct whole whole = {.medium = *medium_of(it), .start = start, .direction = 1.0};
-    if (own == NULL) start.mode = mode_of(speed_of(&whole, from).x_dot, it->settings.v);
+    medium_start(&whole.medium, z, x_dot, &start.own, from);
+    if (own == NULL) start.mode = mode_of(speed_of(&whole, from).x_dot, whole.medium.v);
     return whole_arc(it, &start, begun);
 }
 

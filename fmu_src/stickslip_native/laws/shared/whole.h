@@ -34,7 +34,7 @@ struct own medium_own(const struct friction *it);
 struct own medium_changed(const struct friction *it, struct own before);
 
 /* Unknowns of a mass that starts so. */
-void medium_start(const struct medium *it, double z, double x_dot, const struct own *own,
+void medium_start(struct medium *it, double z, double x_dot, const struct own *own,
                   double y[COLUMNS]);
 void medium_field(const void *whole, const double y[COLUMNS], double rates[COLUMNS],
                   double slopes[COLUMNS][UNKNOWNS]);
