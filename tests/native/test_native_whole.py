@@ -296,6 +296,20 @@ def test_heat_is_as_good_as_the_motion() -> None:
     assert run.lost(now) < 1e-9
 
 
+def test_a_mass_that_is_lifted_moves_freely() -> None:
+    """Without a normal force nothing holds a mass; bristles that let go push it by sigma_1 zeta."""
+    run = Run("lugre", {})
+    run.advance(0.05)
+    run.block.set("v", 0.0)
+    before = run.advance(0.05)
+    run.block.set("load", -run.values["m"] * G)
+    w = math.sqrt(run.values["k"] / run.values["m"])
+    now = run.advance(0.01)
+    push = before["x_dot"] + run.values["sigma_1"] * before["zeta"] / run.values["m"]
+    free = before["z"] * math.cos(0.01 * w) - push / w * math.sin(0.01 * w)
+    assert now["z"] == pytest.approx(free, rel=1e-6)
+
+
 @pytest.mark.parametrize("law", ["lugre", "rate_state"])
 def test_minus_zero_is_zero(law: str) -> None:
     read = []

@@ -64,9 +64,12 @@ struct own medium_own(const struct friction *it)
     return (struct own){.state = it->of.lugre.medium.zeta_start};
 }
 
+/* Bristles that hold more than friction let go faster than any stride before. */
 struct own medium_changed(const struct friction *it, struct own before)
 {
-    (void)it;
+    const struct medium *now = &it->of.lugre.medium;
+    const double most = fmax(now->kinetic + now->gap, now->floor);
+    if (now->sigma_0 * fabs(before.state) > most) before.stride = 0.0;
     return before;
 }
 
