@@ -137,6 +137,8 @@ def _names(
     quantities = {check.quantity for check in checks}
     quantities |= {agreement.quantity for agreement in invariants.agreements}
     quantities |= {order.quantity for order in invariants.orders}
+    # The own outputs of laws are read where they are shown.
+    quantities |= {name for name, each in QUANTITIES.items() if each.own}
     # What the designers' slip time is held against is the difference, not the formula itself.
     formulas = {check.formula for check in checks if check.formula} | {"half_period"}
     families: tuple[tuple[str, Collection[str], set[str]], ...] = (
