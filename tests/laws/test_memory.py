@@ -106,6 +106,21 @@ def test_no_energy_is_lost_and_the_mirror_image_is_one(law: FrictionLaw) -> None
     assert mirrored.n_slips.tolist() == found.n_slips.tolist()
 
 
+@pytest.mark.parametrize("law", ["lugre", "rate_state"])
+def test_without_a_normal_force_the_mass_swings_freely_and_at_rest_it_stays(law: str) -> None:
+    w = math.sqrt(1000.0)
+    swings = simulate(Parameters(load=-9.81), 0.25, law=law)
+    assert swings.z == pytest.approx(0.02 / w * np.sin(w * swings.t), abs=1e-9 * 0.02 / w)
+    rests = simulate(Parameters(v=0.0), 1.0, law=law)
+    assert rests.events == ()
+    assert not np.any(rests.x_dot)
+
+
+def test_an_instability_that_nothing_ends_is_refused_with_the_reason() -> None:
+    with pytest.raises(RuntimeError, match="without inertia and damping nothing ends"):
+        simulate(Parameters(z_start=5e-3), 1.0, law="rate_state", own={"inertia": 2.0})
+
+
 def test_bristles_slide_at_g_and_hold_as_a_spring() -> None:
     # v is far above v_s: sliding is stable.
     p = Parameters(v=0.05, c=20.0, x_dot_start=0.05, z_start=3.9e-3)

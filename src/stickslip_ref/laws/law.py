@@ -100,9 +100,6 @@ class FrictionLaw(ABC):
     sticks: bool = True
     """Whether the mass can stick."""
 
-    method: str = "Radau"
-    """SciPy's method for a law without a stick."""
-
     @abstractmethod
     def break_away_force(self, p: Parameters, age: float = 0.0, state: State = NO_STATE) -> float:
         """Return the largest force [N] that friction holds at rest.
@@ -182,6 +179,10 @@ class FrictionLaw(ABC):
     def velocity_from(self, p: Parameters, z: float, x_dot: float, state: State) -> float:
         """Return with which velocity [m/s] the motion goes on from there; ``x_dot`` by default."""
         return x_dot
+
+    def method(self, p: Parameters) -> str:
+        """Return SciPy's method for a law without a stick, "LSODA" or "Radau"."""
+        return "Radau"
 
     def logarithmic(self, p: Parameters) -> bool:
         """Return whether the `coordinate` is a logarithm, of a size of 1; not by default."""

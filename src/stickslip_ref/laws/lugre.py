@@ -21,6 +21,9 @@ _LEAST = 1e-12
 _NOISE = 300.0 * 2.0**-52
 """Rounding of the forces in presliding that no velocity is followed below, over F_s."""
 
+_NONE = 1e-6
+"""Break-away force over m g of bristles that are as good as none."""
+
 _PART = 0.02
 """Of that time a step may be long: none passes break-away."""
 
@@ -44,7 +47,6 @@ class LuGre(FrictionLaw):
         }
     )
     sticks = False
-    method = "LSODA"
 
     def break_away_force(self, p: Parameters, age: float = 0.0, state: State = NO_STATE) -> float:
         """Return ``mu_s N`` [N]; the friction itself may pass it by sigma_1 zeta'."""
@@ -111,6 +113,10 @@ class LuGre(FrictionLaw):
         force = self.sliding_friction(p, 0.0)
         return _NOISE * force / math.sqrt(float(p.m) * (p.own["sigma_0"] + float(p.k)))
 
+    def method(self, p: Parameters) -> str:
+        """Return "LSODA", but where bristles give way to next to nothing, at rates without end."""
+        return "LSODA" if self._holds(p) else "Radau"
+
     def speeds(self, p: Parameters) -> tuple[float, ...]:
         """Return v_s [m/s]."""
         return (p.own["v_s"],)
@@ -122,7 +128,11 @@ class LuGre(FrictionLaw):
     def longest_step(self, p: Parameters) -> float:
         """Return a part of the time in which the pull bends the bristles [s]."""
         pull = float(p.k) * abs(float(p.v))
-        return _PART * self.sliding_friction(p, 0.0) / pull if pull > 0.0 else math.inf
+        held = pull > 0.0 and self._holds(p)
+        return _PART * self.sliding_friction(p, 0.0) / pull if held else math.inf
+
+    def _holds(self, p: Parameters) -> bool:
+        return self.sliding_friction(p, 0.0) > _NONE * float(p.m) * float(p.g)
 
     def stored(self, p: Parameters, state: Floats) -> Floats:
         """Return the energy in the bristles, ``sigma_0 zeta^2 / 2`` [J]."""

@@ -36,8 +36,11 @@ MOST_PIECES = 1000
 CREEPS = 0.1
 """Part of the pull's velocity below which the mass creeps, and the length of a step is bounded."""
 
-FIRST = 1e-4
-"""First step of Radau [1/w]. SciPy's own choice overflows where the mass is at rest."""
+RUNAWAY = 1e6
+"""Velocity over all that the parameters set that no motion reaches."""
+
+MOST_STALLS = 20
+"""Pieces whose steps are lost beside the time: each goes on at time 0, some for ever."""
 
 
 class Phase(NamedTuple):
@@ -82,14 +85,15 @@ class _Problem:
         w, hold = float(p.w), law.break_away_force(p, 0.0, state)
         length = max(abs(z), abs(self.v) / w, hold / self.k, abs(self.F_ext) / self.k)
         speed = max(abs(x_dot), abs(self.v), w * length) or 1.0
+        self.speed = speed
         self.resolution = 0.0 if law.logarithmic(p) else law.resolution(p)
-        self.swing = max(SWING * abs(self.v), self.resolution)
+        self.swing = max(SWING * abs(self.v), self.resolution, np.finfo(float).tiny)
         followed = 1.0 if law.logarithmic(p) else speed
         energy = self.k * (speed / w) ** 2
         own = law.state_scale(p)
         self.sizes = np.array([speed / w, followed, *own, speed / w / w, energy])
         self.creeps = abs(x_dot) < CREEPS * abs(self.v)
-        self.calls, self.method = 0, law.method
+        self.calls, self.method = 0, law.method(p)
 
     def state(self, y: Floats) -> State:
         return tuple(y[2:-2].tolist())
@@ -165,13 +169,18 @@ def integrate_whole(
     s = -1.0 if problem.v < 0.0 else 1.0
     pieces: list[tuple[float, Any]] = []
     now, y, peak, swing = 0.0, problem.start, x_dot, 0.0
-    still, ended = False, False
+    still, ended, stalls = False, False, 0
+    settled = settled or (x_dot == problem.v and problem.rates(0.0, y)[1] == 0.0)
     while now < duration and not ended:
         side = float(np.sign(y[1]) or np.sign(problem.rates(0.0, y)[1]) or np.sign(problem.v))
         still = still or side == 0.0
         solution = _solve(problem, y, duration - now, s, falls, settled, side, still)
-        if solution.t.size < 2 or len(pieces) > MOST_PIECES:
-            raise RuntimeError(f"the integration of the motion failed: {solution.message}")
+        stalls += solution.status < 0
+        if solution.t.size < 2 or len(pieces) > MOST_PIECES or stalls > MOST_STALLS:
+            raise RuntimeError(
+                f"the integration of the motion failed after {now + solution.t[-1]:g} s at "
+                f"{problem.velocity(y):g} m/s: {solution.message}"
+            )
         pieces.append((now, solution.sol))
         u = np.array([problem.velocity(each) for each in solution.y.T])
         swing = max(swing, float(np.max(np.abs(u - problem.v))))
@@ -213,6 +222,11 @@ def _solve(
 
     def extreme(t: float, y: Floats) -> float:
         off = problem.velocity(y) - problem.v
+        if abs(off) > RUNAWAY * problem.speed:
+            raise RuntimeError(
+                f"the mass runs away, at {off:g} m/s: without inertia and damping nothing ends an "
+                "instability"
+            )
         if settled:
             return -1.0 if t == 0.0 else abs(off) - 2.0 * problem.swing
         return s * off if t > 0.0 else ahead
@@ -246,7 +260,6 @@ def _solve(
             dense_output=True,
             events=(extreme, corner, pace) if longest < np.inf else (extreme, corner),
             jac=None if problem.jacobian(0.0, y) is None else problem.jacobian,
-            first_step=min(duration, longest, FIRST / float(problem.p.w)) if radau else None,
             max_step=longest if problem.creeps else np.inf,
             rtol=rtol,
             atol=atol,
