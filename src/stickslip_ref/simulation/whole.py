@@ -170,7 +170,7 @@ def integrate_whole(
     pieces: list[tuple[float, Any]] = []
     now, y, peak, swing = 0.0, problem.start, x_dot, 0.0
     still, ended, stalls = False, False, 0
-    settled = settled or (x_dot == problem.v and problem.rates(0.0, y)[1] == 0.0)
+    settled = settled or (x_dot == 0.0 == problem.v and problem.rates(0.0, y)[1] == 0.0)
     while now < duration and not ended:
         side = float(np.sign(y[1]) or np.sign(problem.rates(0.0, y)[1]) or np.sign(problem.v))
         still = still or side == 0.0
