@@ -85,7 +85,7 @@ def test_published_spring_block_of_qdyn_recurs_after_585_48393_s() -> None:
     assert cycle is not None
     assert pytest.approx(585.48393, rel=1e-7) == cycle.T
     # Newton's cycle is where running in leads.
-    found = simulate(Parameters(**base), 1800.0, law="rate_state", own=own).cycles[-1]
+    found = simulate(Parameters(**base), 1200.0, law="rate_state", own=own).cycles[-1]
     assert pytest.approx(cycle.T, rel=1e-10) == found.T
     assert found.delta_x == pytest.approx(cycle.delta_x, rel=1e-9)
 
