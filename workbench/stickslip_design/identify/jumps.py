@@ -18,7 +18,7 @@ from .cycles import Run, runs_of
 from .looped import Loop, fitted_loop
 from .model import Floats, Identified, Number, Record, Residual, Trace
 from .noise import memory_of
-from .nonlinear import Fitted, Motion
+from .nonlinear import Fitted
 
 _SPARSE: Final = 1.0
 """Radians of the slip between two samples, above which it is not seen."""
@@ -194,8 +194,7 @@ def _faults(fits: Fits, record: Record) -> Iterator[str]:
     for one in fits:
         motion, own, step = one.motion, noise_of(record, one.motion.run), _step(one.motion.run.t)
         after, period = motion.cycles(one.value)
-        endless = math.isnan(period)
-        w = math.sqrt(motion.figures(one.value, None)["k/m"])
+        endless, w = math.isnan(period), math.sqrt(motion.figures(one.value, None)["k/m"])
         for (name, e), r in zip(motion.noise.items(), one.residual, strict=True):
             noisy = not endless and np.mean(r * r) > _NOTHING
             repeats = noisy and by_cycle(motion.run.t, r, after, period)[0]
@@ -238,7 +237,7 @@ def _figures(fits: Fits, axis: Axis | None) -> dict[str, Floats]:
     figures = dict[str, list[tuple[float, ...]]]()
     for one in fits:
 
-        def of(n: Floats, motion: Motion = one.motion) -> Floats:
+        def of(n: Floats, motion: Block | Loop = one.motion) -> Floats:
             return np.array([*motion.figures(n, axis).values()])
 
         names, spreads = one.motion.figures(one.value, axis), one.deviations(of).tolist()

@@ -13,7 +13,6 @@ import numpy as np
 from scipy.optimize import least_squares
 from scipy.stats import t as student
 
-from ..axis import Axis
 from . import noise
 from .cycles import Run
 from .model import Floats
@@ -53,10 +52,6 @@ class Motion(ABC):
     @abstractmethod
     def columns(self, n: Floats) -> Columns:
         """Return the residuals at some numbers, of each column over its noise."""
-
-    @abstractmethod
-    def figures(self, n: Floats, axis: Axis | None) -> dict[str, float]:
-        """Return what the columns tell of the axis, by name."""
 
 
 M = TypeVar("M", bound=Motion)
