@@ -105,14 +105,10 @@ class Block(Motion):
             q["k"] = math.log(max(k, 1e-300))
         return np.array([q.get(name, 0.0) for name in self.names])
 
-    def fitted(self, start: Floats) -> Fitted[Block]:
-        """Return the fit from a start, with the noise that its residual has."""
-        return weighed(fit(self, start))
-
     def more(self, found: Fitted[Block], *extras: str) -> Fitted[Block]:
         """Return the fit with more that is free, from one without it."""
         wider = replace(self, extras=(*self.extras, *extras))
-        return wider.fitted(np.append(found.value, np.zeros(len(extras))))
+        return weighed(fit(wider, np.append(found.value, np.zeros(len(extras)))))
 
     def figures(self, n: Floats, axis: Axis | None) -> dict[str, float]:
         """Return what the columns tell of the axis, by name."""
@@ -181,7 +177,7 @@ class Block(Motion):
             if part.highs and part.lows and part.t.size > 10:
                 speed = run.speed if "x" not in self.noise else motion.v
                 some = replace(self, run=replace(part, speed=speed), extras=())
-                yield some.fitted(some.start(motion, part.highs[0] - turn))
+                yield weighed(fit(some, some.start(motion, part.highs[0] - turn)))
 
 
 def noise_of(record: Record, run: Run) -> dict[str, float]:
@@ -206,7 +202,7 @@ def fitted_block(record: Record, run: Run) -> Fitted[Block]:
         for motion in np.argsort(squares.min(axis=1))[:_BEST].tolist()
     ]
     found = [fit(some, n).value for n in nearest]
-    return block.fitted(min(found, key=lambda n: _square(some, n)))
+    return weighed(fit(block, min(found, key=lambda n: _square(some, n))))
 
 
 def _square(block: Block, n: Floats) -> float:
