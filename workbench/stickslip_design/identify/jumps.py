@@ -146,7 +146,7 @@ def stick_slip(record: Record, axis: Axis | None = None) -> Identified:
     following, cycles = "", sum(len(one.motion.run.highs) for one in fits)
     if LOAD_UP in unknown.values():
         following = (
-            "Begin the record before the command, with a relaxed spring: for static friction."
+            "Begin the record before the command, with the spring relaxed: for static friction."
         )
     elif numbers:
         following = (
