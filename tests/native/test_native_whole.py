@@ -357,6 +357,7 @@ def test_a_fault_is_detected_by_the_verdict(fault: str, tmp_path: Path) -> None:
     assert not ss.verify(faulty, sequences=0).passed
 
 
+@pytest.mark.soak
 @pytest.mark.parametrize("law", ["lugre", "rate_state"])
 def test_the_verdict_calls_the_model_right(law: str, tmp_path: Path) -> None:
     assert ss.verify(packer.build(tmp_path, law=law, this_machine=True), sequences=0).passed

@@ -131,9 +131,9 @@ void refusal_text(enum refusal refusal, const struct settings *settings, double 
     case TOO_MANY_TRANSITIONS:
         number_text(step, one);
         snprintf(text, MESSAGE_SIZE,
-                 "step size h = %s s is out of range: it holds more than %d transitions between "
-                 "stick and slip; make it shorter",
-                 one, MOST_TRANSITIONS);
+                 "step size h = %s s is out of range: it holds more than %d %s; make it shorter",
+                 one, MOST_TRANSITIONS,
+                 LAW.whole ? "strides of the integration" : "transitions between stick and slip");
         break;
     case LAW_REFUSES:
         LAW.refuses(settings, &why);

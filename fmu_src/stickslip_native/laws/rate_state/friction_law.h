@@ -9,7 +9,7 @@ enum { INERTIA = 1, RADIATION_DAMPING };
 
 /* What the equations of mass, spring and contacts are made of: docs/theory.md (35). */
 struct medium {
-    double m, k, c, v, F_ext, normal;
+    double m, k, c, v, F_ext, normal, least;
     double mu_0, a, b, D_c, V_0, V_ref, phi_start;
     int evolution, inertia;
 };

@@ -14,6 +14,8 @@ enum { GROWTH, Q, PHI };
 
 /* The normal force is never less than this part of the weight. */
 static const double LEAST_NORMAL = 1e-12;
+/* Errors count from normal forces of this part of it. */
+static const double LEAST_FORCE = 0.01;
 /* By how much the logarithm of the velocity may grow in a stride: an implicit method steps over an
  * instability. */
 static const double MOST_GROWTH = 3.0;
@@ -41,6 +43,7 @@ static enum refusal rate_state_under(struct friction *made, const struct setting
         .v = settings->v + 0.0, /* -0.0 is 0 */
         .F_ext = settings->F_ext,
         .normal = normal,
+        .least = LEAST_FORCE * settings->m * settings->g,
         .mu_0 = settings->mu_0,
         .a = settings->a,
         .b = settings->b,
@@ -203,7 +206,7 @@ void medium_field(const void *whole, const double y[COLUMNS], double rates[COLUM
 
 void medium_scales(const struct medium *it, struct system *system)
 {
-    const double length = it->a * it->normal / it->k;
+    const double length = it->a * fmax(it->normal, it->least) / it->k;
     system->heat = HUGE_VAL;
     system->scales[GROWTH] = (struct scale){length, 0.0, length};
     system->scales[Q] = system->scales[PHI] = (struct scale){1.0, 0.0, 1.0};
