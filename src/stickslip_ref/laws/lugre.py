@@ -37,13 +37,13 @@ class LuGre(FrictionLaw):
 
     parameters: Mapping[str, OwnParameter] = MappingProxyType(
         {
-            "sigma_0": OwnParameter(1e5, Bound("N/m", 0.0, strict=True)),
-            "sigma_1": OwnParameter(300.0, Bound("N.s/m", 0.0)),
-            "v_s": OwnParameter(1e-3, Bound("m/s", 0.0, strict=True)),
-            "delta": OwnParameter(2.0, Bound("", 1.0)),
-            "v_d": OwnParameter(0.0, Bound("m/s", 0.0)),
+            "sigma_0": OwnParameter(1e5, Bound("N/m", 0.0, strict=True), tunable=False),
+            "sigma_1": OwnParameter(300.0, Bound("N.s/m", 0.0), tunable=False),
+            "v_s": OwnParameter(1e-3, Bound("m/s", 0.0, strict=True), tunable=False),
+            "delta": OwnParameter(2.0, Bound("", 1.0), tunable=False),
+            "v_d": OwnParameter(0.0, Bound("m/s", 0.0), tunable=False),
             "zeta_start": OwnParameter(0.0, Bound("m"), tunable=False),
-            "v_stick": OwnParameter(1e-4, Bound("m/s", 0.0)),
+            "v_stick": OwnParameter(1e-4, Bound("m/s", 0.0), tunable=False),
         }
     )
     sticks = False

@@ -53,16 +53,16 @@ class RateState(FrictionLaw):
 
     parameters: Mapping[str, OwnParameter] = MappingProxyType(
         {
-            "mu_0": OwnParameter(0.6, Bound("", 0.0)),
-            "a": OwnParameter(0.01, Bound("", 0.0, strict=True)),
-            "b": OwnParameter(0.015, Bound("", 0.0)),
-            "D_c": OwnParameter(1e-5, Bound("m", 0.0, strict=True)),
-            "V_0": OwnParameter(1e-6, Bound("m/s", 0.0, strict=True)),
-            "alpha": OwnParameter(0.0, Bound("", 0.0)),
+            "mu_0": OwnParameter(0.6, Bound("", 0.0), tunable=False),
+            "a": OwnParameter(0.01, Bound("", 0.0, strict=True), tunable=False),
+            "b": OwnParameter(0.015, Bound("", 0.0), tunable=False),
+            "D_c": OwnParameter(1e-5, Bound("m", 0.0, strict=True), tunable=False),
+            "V_0": OwnParameter(1e-6, Bound("m/s", 0.0, strict=True), tunable=False),
+            "alpha": OwnParameter(0.0, Bound("", 0.0), tunable=False),
             "evolution": OwnParameter(1.0, Bound("", 1.0), tunable=False),
             "inertia": OwnParameter(1.0, Bound("", 1.0), tunable=False),
             "theta_start": OwnParameter(10.0, Bound("s", 0.0, strict=True), tunable=False),
-            "v_stick": OwnParameter(1e-4, Bound("m/s", 0.0)),
+            "v_stick": OwnParameter(1e-4, Bound("m/s", 0.0), tunable=False),
         }
     )
     sticks = False

@@ -14,13 +14,13 @@ class LuGre(FrictionLaw):
     """The own state is the deflection zeta [m]."""
 
     parameters = (
-        Parameter("sigma_0", "N/m", 1e5, Kind.TUNABLE, low=0.0, strict=True),
-        Parameter("sigma_1", "N.s/m", 300.0, Kind.TUNABLE, low=0.0),
-        Parameter("v_s", "m/s", 1e-3, Kind.TUNABLE, low=0.0, strict=True),
-        Parameter("delta", "1", 2.0, Kind.TUNABLE, low=1.0, chosen=True),
-        Parameter("v_d", "m/s", 0.0, Kind.TUNABLE, low=0.0),
+        Parameter("sigma_0", "N/m", 1e5, Kind.FIXED, low=0.0, strict=True),
+        Parameter("sigma_1", "N.s/m", 300.0, Kind.FIXED, low=0.0),
+        Parameter("v_s", "m/s", 1e-3, Kind.FIXED, low=0.0, strict=True),
+        Parameter("delta", "1", 2.0, Kind.FIXED, low=1.0, chosen=True),
+        Parameter("v_d", "m/s", 0.0, Kind.FIXED, low=0.0),
         Parameter("zeta_start", "m", 0.0, Kind.FIXED, directed=True),
-        Parameter("v_stick", "m/s", 1e-4, Kind.TUNABLE, low=0.0),
+        Parameter("v_stick", "m/s", 1e-4, Kind.FIXED, low=0.0),
     )
     sticks = False
     digits = 20

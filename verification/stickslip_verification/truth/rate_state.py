@@ -21,16 +21,16 @@ class RateState(FrictionLaw):
     """
 
     parameters = (
-        Parameter("mu_0", "1", 0.6, Kind.TUNABLE, low=0.0),
-        Parameter("a", "1", 0.01, Kind.TUNABLE, low=0.0, strict=True),
-        Parameter("b", "1", 0.015, Kind.TUNABLE, low=0.0),
-        Parameter("D_c", "m", 1e-5, Kind.TUNABLE, low=0.0, strict=True),
-        Parameter("V_0", "m/s", 1e-6, Kind.TUNABLE, low=0.0, strict=True),
-        Parameter("alpha", "1", 0.0, Kind.TUNABLE, low=0.0),
+        Parameter("mu_0", "1", 0.6, Kind.FIXED, low=0.0),
+        Parameter("a", "1", 0.01, Kind.FIXED, low=0.0, strict=True),
+        Parameter("b", "1", 0.015, Kind.FIXED, low=0.0),
+        Parameter("D_c", "m", 1e-5, Kind.FIXED, low=0.0, strict=True),
+        Parameter("V_0", "m/s", 1e-6, Kind.FIXED, low=0.0, strict=True),
+        Parameter("alpha", "1", 0.0, Kind.FIXED, low=0.0),
         Parameter("evolution", "1", 1.0, Kind.FIXED, low=1.0, chosen=True),
         Parameter("inertia", "1", 1.0, Kind.FIXED, low=1.0, chosen=True),
         Parameter("theta_start", "s", 10.0, Kind.FIXED, low=0.0, strict=True),
-        Parameter("v_stick", "m/s", 1e-4, Kind.TUNABLE, low=0.0),
+        Parameter("v_stick", "m/s", 1e-4, Kind.FIXED, low=0.0),
     )
     sticks = False
     lacks = ("mu_s", "mu_k", "mu_k_used")
