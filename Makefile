@@ -112,6 +112,7 @@ docs: $(VENV)/ready
 	$(BIN)/python docs/generate.py
 	$(BIN)/python -m examples.feed_axis
 	cp build/feed_axis/run.svg docs/feed-axis.svg
+	$(BIN)/python -m examples.memory docs/memory.png
 
 # Both run on one core, and so beside each other.
 docs-check: $(VENV)/ready

@@ -2,6 +2,7 @@
 
 import math
 import random
+import re
 import tomllib
 from dataclasses import fields
 from functools import cache
@@ -374,3 +375,16 @@ def test_what_the_laws_have_not_is_refused(law: str, tmp_path: Path) -> None:
     positive = {"lugre": ("sigma_0", "v_s"), "rate_state": ("a", "D_c", "V_0", "theta_start")}[law]
     for name in positive:
         assert "above 0" in str(rows[name].objection(0.0))
+
+
+@pytest.mark.parametrize(
+    ("own", "says"),
+    [
+        ({}, r"sigma_1 \(mu_s - mu_k\)/mu_k = 200\.0\d* N\.s/m is above c = 0\.0 .*not passive"),
+        ({"v_d": 10.0}, r"N may be above 4 mu_k N = 11\.77\d* N: .*may not be passive"),
+        ({"v_d": 0.01}, ""),
+    ],
+)
+def test_a_warning_says_where_friction_may_give_energy(own: dict[str, float], says: str) -> None:
+    notes = ss.simulate(ss.Parameters(law="lugre", own=own), 0.01).notes
+    assert re.search(says, notes[0]) if says else not notes

@@ -195,6 +195,14 @@ static int lugre_remarks(const struct settings *settings, struct remark made[MOS
             "sigma_1 (mu_s - mu_k)/mu_k = %r N.s/m is above c = %r N.s/m: friction may give energy "
             "(it is not passive); a larger c, a smaller sigma_1 or v_d above 0 mends it",
             {needed, settings->c}};
+    /* sigma_1(v) v <= 4 g(v) is enough; the left side is largest at v_d/sqrt(2). */
+    const double most = exp(-0.5) / sqrt(2.0) * settings->sigma_1 * settings->v_d;
+    const double enough = 4.0 * used * (settings->m * settings->g + settings->load);
+    if (most > enough)
+        made[count++] = (struct remark){
+            "sigma_1 v_d exp(-1/2)/sqrt(2) = %r N may be above 4 mu_k N = %r N: friction may give "
+            "energy (it may not be passive); a smaller sigma_1 or v_d mends it",
+            {most, enough}};
     return count;
 }
 
