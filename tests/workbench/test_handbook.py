@@ -15,7 +15,7 @@ from PIL import Image
 
 from stickslip.handbook import parts
 from stickslip.page import page
-from stickslip_fmu.laws.named import BUILT_IN, COULOMB_NAME, friction_law
+from stickslip_fmu.laws.named import BUILT_IN, friction_law
 from stickslip_fmu.spec import TABLE, spec_of
 
 pytestmark = pytest.mark.gate
@@ -100,7 +100,8 @@ def test_terminals_are_flanges_and_friction_under_a_small_square_icon(law: str) 
         for terminal in root.iter("Terminal")
     }
     settings = {row for row in found.pop("friction") if row[0] == "parameter"}
-    assert {name for _, name in settings} >= {"c", "mu_s" if law == COULOMB_NAME else "mu_1"}
+    own = {"stribeck": "mu_1", "lugre": "sigma_0", "rate_state": "D_c"}.get(law, "mu_s")
+    assert {name for _, name in settings} >= {"c", own}
     assert found == {
         "pulled_end": {("input", "v"), ("output", "x_pull"), ("output", "F")},
         "mass": {("input", "F_ext"), ("output", "x"), ("output", "x_dot")},
