@@ -47,7 +47,7 @@ def files(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
 
 def test_the_pages_hold_what_is_run() -> None:
     assert len(FILES) == 8
-    assert len(ASKED) == 23
+    assert len(ASKED) == 24
 
 
 @needs("cluster", "studies")
