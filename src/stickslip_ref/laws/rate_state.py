@@ -202,7 +202,7 @@ class RateState(FrictionLaw):
         return tuple(u for u in (own["D_c"] * float(p.w), edge) if u > 0.0)
 
     def steady_state(self, p: Parameters, v: float) -> State:
-        """Return ln theta in sliding at a velocity [m/s]: theta is D_c / |v|."""
+        """Return ln theta in sliding at a velocity [m/s]: theta is ``D_c / |v|``."""
         return (math.log(p.own["D_c"] / abs(v)),)
 
     def no_cycle(self, p: Parameters) -> str:
