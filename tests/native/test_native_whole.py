@@ -388,3 +388,20 @@ def test_what_the_laws_have_not_is_refused(law: str, tmp_path: Path) -> None:
 def test_a_warning_says_where_friction_may_give_energy(own: dict[str, float], says: str) -> None:
     notes = ss.simulate(ss.Parameters(law="lugre", own=own), 0.01).notes
     assert re.search(says, notes[0]) if says else not notes
+
+
+@pytest.mark.parametrize(
+    ("law", "own", "shown"),
+    [
+        ("lugre", {"sigma_0": "20 N/mm", "sigma_1": 100.0}, "zeta"),
+        ("rate_state", {"mu_0": 0.4, "a": 0.02, "b": 0.03, "D_c": "20 um"}, "mu"),
+    ],
+)
+def test_a_user_sets_all_parameters_and_reads_the_state_by_either_engine(
+    law: str, own: dict[str, str | float], shown: str
+) -> None:
+    p = ss.Parameters(law=law, own=own, c=1.0)
+    block, reference = (ss.simulate(p, 0.6, engine=each) for each in ("block", "reference"))
+    assert block["n_slips"][-1] == reference["n_slips"][-1] > 0
+    for name in ("T", "t_slip", shown):
+        assert block[name][-1] == pytest.approx(reference[name][-1], rel=1e-7), name

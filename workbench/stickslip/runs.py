@@ -229,7 +229,7 @@ def simulate_reference(what: Experiment) -> Run:
         for event in trajectory.events
     )
     columns = {output.name: getattr(trajectory, output.name) for output in _outputs(TABLE)}
-    samples = _samples(columns, times, TABLE)
+    samples = _samples({**columns, **trajectory.own}, times, what.parameters.table)
     notes = tuple(str(warning.message) for warning in caught)
     return Run("reference", what.parameters, samples, events, notes=notes)
 
