@@ -24,18 +24,23 @@ Calls = dict[str, Callable[[int], None]]
 """By kind of call, what makes it so many times."""
 
 
-@contextmanager
-def bare(fmu: Path) -> Iterator[Calls]:
-    """Give the calls that importers make most of one initialized instance, through ctypes."""
+def slave_of(fmu: Path) -> tuple[FMU2Slave, dict[str, int]]:
+    """Return an FMU's slave, not yet instantiated, and its value references by name."""
     description = fmpy.read_model_description(str(fmu))
-    references = {each.name: each.valueReference for each in description.modelVariables}
-    folder = fmpy.extract(str(fmu))
     slave = FMU2Slave(
         guid=description.guid,
-        unzipDirectory=folder,
+        unzipDirectory=fmpy.extract(str(fmu)),
         modelIdentifier=description.coSimulation.modelIdentifier,
         instanceName=fmu.stem,
     )
+    return slave, {each.name: each.valueReference for each in description.modelVariables}
+
+
+@contextmanager
+def bare(fmu: Path) -> Iterator[Calls]:
+    """Give the calls that importers make most of one initialized instance, through ctypes."""
+    slave, references = slave_of(fmu)
+    folder = slave.unzipDirectory
     slave.instantiate()
     slave.setupExperiment(startTime=0.0)
     slave.enterInitializationMode()
@@ -53,7 +58,7 @@ def bare(fmu: Path) -> Iterator[Calls]:
     make.restype = ctypes.c_void_p
     resources = (Path(folder) / "resources").as_uri().encode()
     callbacks = ctypes.byref(slave.callbacks)
-    identity = b"another", CO_SIMULATION, description.guid.encode(), resources, callbacks, 0, 0
+    identity = b"another", CO_SIMULATION, slave.guid.encode(), resources, callbacks, 0, 0
 
     def steps(times: int) -> None:
         for _ in range(times):

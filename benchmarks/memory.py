@@ -8,12 +8,12 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-import fmpy
 import numpy as np
 from fmpy.fmi2 import FMU2Slave
 from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
 
+from benchmarks.calls import slave_of
 from stickslip_native.packer import build
 
 LUGRE = {"m": 1.0, "k": 2.0, "v": 0.1, "c": 0.4, "mu_s": 1.5 / 9.81, "mu_k": 1.0 / 9.81,
@@ -27,15 +27,7 @@ Floats = NDArray[np.float64]
 
 @contextmanager
 def _started(fmu: Path, values: dict[str, float]) -> Iterator[tuple[FMU2Slave, int]]:
-    description = fmpy.read_model_description(str(fmu))
-    references = {each.name: each.valueReference for each in description.modelVariables}
-    folder = fmpy.extract(str(fmu))
-    slave = FMU2Slave(
-        guid=description.guid,
-        unzipDirectory=folder,
-        modelIdentifier=description.coSimulation.modelIdentifier,
-        instanceName=fmu.stem,
-    )
+    slave, references = slave_of(fmu)
     slave.instantiate()
     slave.setReal([references[name] for name in values], [*values.values()])
     slave.setupExperiment(startTime=0.0)
@@ -44,7 +36,7 @@ def _started(fmu: Path, values: dict[str, float]) -> Iterator[tuple[FMU2Slave, i
     yield slave, references["T"]
     slave.terminate()
     slave.freeInstance()
-    shutil.rmtree(folder, ignore_errors=True)
+    shutil.rmtree(slave.unzipDirectory, ignore_errors=True)
 
 
 def cycle_of_the_fmu(folder: Path, law: str, values: dict[str, float], period: float) -> float:
