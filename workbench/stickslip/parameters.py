@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
 from fmi.model import ModelError
-from stickslip_fmu.interface import table_of
+from stickslip_fmu.interface import FIRST_OWN, table_of
 from stickslip_fmu.laws.named import COULOMB_NAME, friction_law
 from stickslip_fmu.laws.native_only import NativeOnly
 from stickslip_fmu.spec import TABLE, spec_of
@@ -199,9 +199,10 @@ class Parameters:
 
     def _own(self, table: Table) -> dict[str, Any]:
         """Return the parameters of the friction law itself [SI], those of a curve among them."""
-        rows = {
-            row.name: row for row in table.rows if row.settable and row.name not in TABLE.by_name
-        }
+        its = (
+            row for row in table.rows if row.number >= FIRST_OWN or row.name not in TABLE.by_name
+        )
+        rows = {row.name: row for row in its if row.settable}
         for name in self.own:
             if name not in rows:
                 known = f"it has {', '.join(rows)}" if rows else "it has none"
