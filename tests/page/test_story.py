@@ -84,6 +84,24 @@ def test_any_step_is_opened_by_its_link_and_left_by_what_is_tried(window: Window
         assert window.setting == START
 
 
+def test_the_address_that_a_link_has_led_to_is_not_written_over(window: Window) -> None:
+    # The page is held up until the write of the press before is due, and left at once.
+    window.press("k", "ArrowRight")
+    window.drawn()
+    window.js("""new Promise(done => {
+      addEventListener("hashchange", () => setTimeout(() => {
+        location.hash = "step=4";
+        done();
+      }), { once: true });
+      location.hash = "step=9";
+      for (const start = performance.now(); performance.now() < start + 400;);
+    })""")
+    window.until("!document.getElementById('step=4').hidden")
+    window.page.go_back()
+    window.until("!document.getElementById('step=9').hidden")
+    assert window.setting == STEPS[9]
+
+
 def test_the_story_is_read_on_paper_and_without_a_script(
     window: Window, browser: Browser, page_file: Path
 ) -> None:

@@ -33,7 +33,7 @@ const charts = makeTimeCharts(byId("x-chart"), byId("F-chart"));
 const portrait = makePortrait(byId("phase-chart"));
 const schematic = makeSchematic(byId("schematic"));
 const showResults = makeResults();
-const address = makeAddress();
+const address = makeAddress(place);
 const reader = makeReader(data.units);
 
 /** @type {Solution} */
@@ -78,7 +78,9 @@ const asked = () => ({
   ...controls.wanted(),
   ...(curve && { curve: curve.flat().slice(1) }),
 });
-const place = () => story.address() ?? asked();
+function place() {
+  return story.address() ?? asked();
+}
 
 /** @type {Page} */
 const page = {
@@ -135,7 +137,7 @@ function redraw() {
   const id = likest(data.applications, motion.p);
   schematic.dress(id, byId(`application-${id}`).querySelector(".drawn").textContent);
   redrawTime();
-  address.write(place());
+  address.write();
   for (const show of sections) show(solution);
   for (const show of ofConstant) show(solution.constant);
 }
@@ -165,7 +167,7 @@ function takeAddress(event) {
   linked = false;
   if (taken && !rest.length) return;
   // A jump to a place in the page asks for nothing, and must not cost the setting.
-  if (byId(hash.slice(1))) return address.write(place());
+  if (byId(hash.slice(1))) return address.write();
   const { values, bad, points } = valuesIn(taken ? `#${rest.join("&")}` : hash);
   const problems = bad.map((part) => `${part} is no number in SI, such as v=0.02.`);
   for (const [name, value] of Object.entries(values)) {

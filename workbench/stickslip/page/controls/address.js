@@ -33,17 +33,27 @@ export function hashOf(values) {
 }
 
 /**
- * Keep the address bar. write(values): once they have been still a moment; step(before, after): the
- * setting changes at one press, so that the browser's Back brings `before` back.
+ * Keep the address bar. place(): what it should hold; write(): once the page has been still a
+ * moment; step(before, after): the setting changes at one press, so that the browser's Back brings
+ * `before` back.
+ * @type {(place: () => Record<string, any>) => any}
  */
-export function makeAddress() {
+export function makeAddress(place) {
   let waiting = 0;
   let last = -Infinity;
+  const now = () => {
+    // A write would end a way back that has just begun, so none is made for nothing.
+    const hash = hashOf(place());
+    if (hash !== location.hash) history.replaceState(null, "", hash);
+  };
+  const write = () => {
+    clearTimeout(waiting);
+    waiting = setTimeout(now, STILL);
+  };
+  // Where a link or Back has led is not written over before the page has taken it.
+  addEventListener("popstate", write);
   return {
-    write(values) {
-      clearTimeout(waiting);
-      waiting = setTimeout(() => history.replaceState(null, "", hashOf(values)), STILL);
-    },
+    write,
     step(before, after) {
       const pause = performance.now() - last;
       last += pause;
