@@ -400,7 +400,7 @@ class Host:
         if self.process.stdin is not None:
             self.process.stdin.close()
         try:
-            code = self.process.wait(2.0)
+            code = self.process.wait(10.0)
         except subprocess.TimeoutExpired:
             os.killpg(self.process.pid, signal.SIGKILL)
             code = self.process.wait()

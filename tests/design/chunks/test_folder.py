@@ -11,6 +11,7 @@ from pathlib import Path
 import pytest
 
 from stickslip_design.chunks import Progress, StudyError, run
+from stickslip_design.chunks.store import Chunk, Store, compute, digest_of, manifest_of
 from tests.design.chunks.toy import Toy, same, times_computed
 from tests.interrupting import HEARING
 from tests.needs import ROOT, needs
@@ -91,14 +92,13 @@ def test_a_spoilt_chunk_alone_is_made_anew(
 
 
 def test_a_late_chunk_that_overlaps_others_is_dropped(tmp_path: Path) -> None:
-    results = run(Toy(60), str(tmp_path), workers=1)
-    # In chunks of a second it has other borders.
-    with pytest.raises(StudyError, match="of point 40"):
-        run(Toy(60, pace=0.05, raises=40), str(tmp_path / "slow"), workers=1)
+    study, late = Toy(60), Chunk(4, 60)
+    results = run(study, str(tmp_path), workers=1)
     names = {file.name for file in tmp_path.glob("*.chunk")}
-    (late, *_) = (each for each in (tmp_path / "slow").glob("*.chunk") if each.name not in names)
-    late.rename(tmp_path / late.name)
-    assert same(run(Toy(60), str(tmp_path), workers=1), results)
+    assert late.file not in names
+    compute(Store(str(tmp_path)), study, digest_of(manifest_of(study)), late)
+    assert (tmp_path / late.file).exists()
+    assert same(run(study, str(tmp_path), workers=1), results)
     assert {file.name for file in tmp_path.glob("*.chunk")} == names
 
 
