@@ -20,6 +20,7 @@ from stickslip_fmu.laws.native_only import NativeOnly
 from stickslip_fmu.packer import build
 from stickslip_native import packer
 from stickslip_native.packer import sources_of
+from stickslip_verification.drive import FmuError
 from tests.conftest import Sized
 from tests.native.compiling import FLAGS, run, with_library, written
 from tests.native.core import ACCEPTED, Core, NativeBlock, compile_core
@@ -320,6 +321,35 @@ def test_minus_zero_is_zero(law: str) -> None:
         run.block.set("v", v)
         read.append(run.advance(1.0))
     assert read[0] == read[1]
+
+
+@pytest.mark.parametrize(
+    ("law", "given", "error"),
+    [
+        ("lugre", {"sigma_0": 1e9, "sigma_1": 3e4}, 1e-6),
+        *(("rate_state", {"a": a, "b": 0.02, "z_start": 0.0}, 1e-9) for a in (1e-2, 2e-3, 1e-3)),
+    ],
+)
+def test_friction_holds_a_mass_at_rest_until_it_breaks_away(
+    law: str, given: dict[str, float], error: float
+) -> None:
+    """Bristles creep faster and faster: the error allowed is m x_ddot. The creep of rate and state
+    spans up to 250 powers of ten, and decides when it slips.
+    """
+    run = Run(law, given)
+    run.advance(0.05)
+    for _ in range(3):
+        now = run.advance(0.03)
+        assert now["F"] == pytest.approx(run.values["k"] * run.values["v"] * run.time, rel=2e-2)
+        assert -now["F_friction"] == pytest.approx(now["F"], rel=error)
+    now = run.advance(0.4)
+    assert now["n_slips"] >= 1
+    assert 0.002 < now["spring_drop"] < 0.01
+
+
+def test_what_doubles_cannot_follow_is_refused_by_its_cause() -> None:
+    with pytest.raises(FmuError, match=r"a = 0\.0008 .* mu_0/a = 7\S+ is above 600"):
+        ss.simulate(ss.Parameters(law="rate_state", own={"a": 0.0008}), 1.0)
 
 
 EXTREMES = [

@@ -143,8 +143,8 @@ struct law {
     /* Write what is unusual about the settings, which are taken nevertheless, and return the count
      * of remarks. They are told together. */
     int (*remarks)(const struct settings *settings, struct remark made[MOST_REMARKS]);
-    /* Write why the law refuses the settings, and return whether it does: `under` returns
-     * LAW_REFUSES then. */
+    /* Write why the law refuses the settings, or a motion under them that cannot be followed, and
+     * return whether it does: `under` returns LAW_REFUSES then. */
     bool (*refuses)(const struct settings *settings, struct remark *made);
     /* An output of the law by its value reference. */
     double (*output)(const struct friction *it, const struct own *own, double x_dot,

@@ -140,8 +140,11 @@ void refusal_text(enum refusal refusal, const struct settings *settings, double 
         remarks_text(&why, 1, text);
         break;
     case NOT_FOLLOWED:
-        snprintf(text, MESSAGE_SIZE,
-                 "the motion is stiffer than double-precision numbers can follow");
+        if (LAW.refuses != NULL && LAW.refuses(settings, &why))
+            remarks_text(&why, 1, text);
+        else
+            snprintf(text, MESSAGE_SIZE,
+                     "the motion is stiffer than double-precision numbers can follow");
         break;
     case NO_SUCH_STATE:
         snprintf(text, MESSAGE_SIZE, "the saved state has values that no block reaches");

@@ -11,7 +11,8 @@ from pathlib import Path
 import pytest
 
 from stickslip_design.chunks import Progress, StudyError, run
-from stickslip_design.chunks.store import Chunk, Store, compute, digest_of, manifest_of
+from stickslip_design.chunks.store import Chunk, Store, compute, manifest_of
+from stickslip_design.datasets import digest_of
 from tests.design.chunks.toy import Toy, same, times_computed
 from tests.interrupting import HEARING
 from tests.needs import ROOT, needs

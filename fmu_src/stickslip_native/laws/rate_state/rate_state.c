@@ -21,8 +21,8 @@ static const double LEAST_FORCE = 0.01;
 static const double MOST_GROWTH = 3.0;
 /* The velocities whose sign does not act, in parts of V_0, and the least one. */
 static const double LEAST_SPEED = 1e-9, LEAST = 1e-300;
-/* Where the logarithm of the velocity becomes the velocity at the latest, in parts of V_0. */
-static const double REFERENCE = 1e-12;
+/* Up to this mu_0/a the creep at rest is faster than the least double. */
+static const double MOST_LOGARITHM = 600.0;
 /* A pull less than this part of a N moves nothing. */
 static const double LEAST_PULL = 1e-22;
 
@@ -129,7 +129,7 @@ static double reference(const struct medium *it, double phi)
     double most = it->V_0 * exp(-fmax((it->mu_0 + it->b * phi) / it->a, 0.0));
     if (it->c > 0.0) most = fmin(most, it->a * it->normal / it->c);
     if (it->v != 0.0) most = fmin(most, fabs(it->v));
-    return fmax(most, REFERENCE * it->V_0);
+    return fmax(most, LEAST);
 }
 
 void medium_start(struct medium *it, double z, double x_dot, const struct own *own,
@@ -151,8 +151,8 @@ void medium_field(const void *whole, const double y[COLUMNS], double rates[COLUM
     const double mu = coefficient(it, u, phi), bent = tanh(mu / a);
     const double psi = it->mu_0 + b * phi;
     /* Slopes of mu. */
-    const double mu_q =
-        fabs(u) > LEAST ? a * bent * u_q / u : a * it->V_ref / (2.0 * it->V_0) * exp(psi / a);
+    const double steepest = fmin(exp(psi / a) / (2.0 * it->V_0), 1.0 / LEAST);
+    const double mu_q = fabs(u) > LEAST ? a * bent * u_q / u : a * it->V_ref * steepest;
     const double mu_phi = b * bent;
     /* Rate of the state, and its slopes. */
     const double speed = of->direction * u;
@@ -247,6 +247,15 @@ static int rate_state_remarks(const struct settings *settings, struct remark mad
     return 1;
 }
 
+static bool rate_state_refuses(const struct settings *settings, struct remark *made)
+{
+    const double logarithm = settings->mu_0 / settings->a;
+    *made = (struct remark){"a = %r is out of range for this motion: mu_0/a = %r is above 600, and "
+                            "the creep at rest slower than double-precision numbers can follow",
+                            {settings->a, logarithm}};
+    return logarithm > MOST_LOGARITHM;
+}
+
 static double rate_state_output(const struct friction *it, const struct own *own, double x_dot,
                                 enum reference reference)
 {
@@ -268,6 +277,7 @@ const struct law LAW = {
     .arc = whole_arc,
     .same_slip = whole_same_slip,
     .remarks = rate_state_remarks,
+    .refuses = rate_state_refuses,
     .output = rate_state_output,
     .whole = true,
 };
