@@ -110,14 +110,16 @@ def least_squares(
     scale, size = (np.sqrt(np.sum(each * each, axis=0)) for each in (X, Z))
     scale[scale == 0.0] = size[size == 0.0] = 1.0
     X, Z = X / scale, Z / size
-    total = Z.T @ X - np.diag(n * drawn / scale**2)
     before = np.zeros((p, p))
     if known:
         left = y - X @ np.linalg.lstsq(X, y, rcond=None)[0]
         share = float(left @ left) / n
         of = np.array([known.get(name, math.inf) for name in columns])
+        # What is known before counts in the scale: else it would hide what the record tells weakly.
+        more = np.hypot(1.0, math.sqrt(share) / (of * scale))
+        X, Z, scale, size = X / more, Z / more, scale * more, size * more
         before = np.diag(share / (of * scale) ** 2)
-        total += before
+    total = Z.T @ X - np.diag(n * drawn / scale**2) + before
     normal = np.linalg.pinv(total)
     value = normal @ (Z.T @ y)
     r = y - X @ value
