@@ -11,6 +11,7 @@ import pytest
 
 from stickslip_design.identify.jumps import is_stick_slip, stick_slip
 from stickslip_design.identify.model import Identified, Record
+from stickslip_design.identify.noise import least_squares
 from stickslip_ref import Change, Parameters, simulate
 from tests.design.axes import SERVO
 from tests.design.simulated import Simulation
@@ -181,3 +182,16 @@ def test_the_loop_of_a_servo_is_in_the_fit() -> None:
         "friction.F_s": SERVO.F_s, "friction.F_k": SERVO.F_k, "F_s - F_k": SERVO.F_s - SERVO.F_k,
     }  # fmt: skip
     assert sum(covered(found, truth)) >= len(truth) - 1
+
+
+def test_what_is_known_before_leaves_another_number_as_uncertain_as_it_is() -> None:
+    rng = np.random.default_rng(5)
+    a, b, c = rng.normal(size=(3, 4000))
+    # Two columns that differ by 1e-5, and one that changes the record by a millionth of the noise.
+    columns = {"a": a, "like a": a + 1e-5 * b, "known": 1e-6 * c}
+    y = a + columns["like a"] + rng.normal(size=4000)
+    run, free = np.zeros(4000), {"a": math.inf, "like a": math.inf}
+    alone = least_squares({name: columns[name] for name in free}, y, run)
+    found = least_squares(columns, y, run, known=free | {"known": 0.1})
+    assert found.deviation("a") == pytest.approx(alone.deviation("a"), rel=1e-2)
+    assert found.deviation("a") == pytest.approx(1e5 / math.sqrt(4000.0), rel=5e-2)

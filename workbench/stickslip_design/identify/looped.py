@@ -114,8 +114,8 @@ class Loop(Motion):
         T_s, layout = system.drive.T_s, system.layout
         place = TABLE if system.drive.on_table else MOTOR
         rows = [place, FORCE if system.drive.lag > 0.0 else layout.commands]
-        powers = [_powers(over_sample(system, Mode(slips, 1))) for slips in (0, 1)]
-        shown = [of[:-1, rows] for of in powers]
+        over = [over_sample(system, Mode(slips, 1)) for slips in (0, 1)]
+        shown, block = _over_block(np.array(over), rows)
         count, at = math.ceil(t[-1] / T_s - 1e-3) + 1, 0
         seen = np.empty((count + _BLOCK, 2))
         motion = walk(system, Mode(0, 1), Point(self._begun(system, n), 0.0), Watched(math.inf))
@@ -125,8 +125,8 @@ class Loop(Motion):
             events = motion.turns(1)
             last = int(events[0].time / T_s) if events else count - 1
             for begin in range(at, last + 1, _BLOCK):
-                seen[begin : begin + _BLOCK] = shown[slips] @ state
-                state = powers[slips][-1] @ state
+                seen[begin : begin + _BLOCK] = (shown[slips] @ state).reshape(-1, 2)
+                state = block[slips] @ state
             at = last + 1
             while events:
                 motion.go_on((at - _LATE) * T_s - events[0].time)
@@ -186,12 +186,16 @@ def _rubbing(axis: Axis, F_k: float, gap: float) -> Axis:
     return replace(axis, friction=Friction(mu_s=(F_k + gap) / N, mu_k=F_k / N))
 
 
-def _powers(matrix: Floats) -> Floats:
-    """Return the powers of a matrix from 0 to `_BLOCK`."""
-    powers = np.eye(len(matrix))[None]
-    while len(powers) <= _BLOCK:
-        powers, matrix = np.concatenate([powers, powers @ matrix]), matrix @ matrix
-    return powers[: _BLOCK + 1]
+def _over_block(sample: Floats, rows: list[int]) -> tuple[Floats, Floats]:
+    """Return rows of the state at each sample of a block, and what a block makes of the state.
+
+    Of the matrices over a sample, shape (modes, n, n): shapes (modes, rows at each sample, n) and
+    (modes, n, n).
+    """
+    shown = np.eye(sample.shape[-1])[rows][None].repeat(len(sample), axis=0)
+    while shown.shape[1] < _BLOCK * len(rows):
+        shown, sample = np.concatenate([shown, shown @ sample], axis=1), sample @ sample
+    return shown, sample
 
 
 def _settled(axis: Axis, run: Run) -> tuple[float, Floats] | None:

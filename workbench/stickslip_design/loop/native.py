@@ -26,6 +26,8 @@ COLUMNS: Final = 8
 """Of a row in C: number of the event, time, place, speed, least speed, and the mode."""
 _STEP: Final = 36
 """Numbers of a step of the plant in C, and whether it is known."""
+_ENTRY: Final = np.dtype([("value", "d"), ("at", "2i")])
+"""An entry of the controller's matrix in C: row and column."""
 
 
 def _fields(kind: type, names: str) -> Iterator[tuple[str, type]]:
@@ -74,7 +76,7 @@ class Native:
         # Of rows that change anything: what they take, and their own place where it is left.
         changed = (system.control != unit).any(axis=1)[:, None] & (system.control + unit != 0.0)
         rows, columns = np.nonzero(changed)
-        entries = np.empty(len(rows), np.dtype([("value", "d"), ("at", "2i")]))
+        entries = np.empty(len(rows), _ENTRY)
         entries["value"] = system.control[rows, columns]
         entries["at"] = np.column_stack([rows, columns])
         lengths = np.array([part.length for part in system.parts])
