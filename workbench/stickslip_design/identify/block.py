@@ -22,7 +22,7 @@ from .cycles import Run, digit_of
 from .model import Floats, Record
 from .nonlinear import Columns, Fitted, Motion, fit, weighed
 
-_LEAST_ZETA, _MOST_ZETA = -0.3, 0.95
+_LEAST_ZETA, _MOST_ZETA, _USUAL_ZETA = -0.3, 0.95, 0.5
 _RATIOS, _DAMPINGS = (0.3, 0.6, 1.2, 2.0, 3.0, 4.5, 7.0, 11.0, 18.0, 30.0), (0.02, 0.15)
 _SHIFTS: Final = (-0.1, -0.03, 0.0, 0.03, 0.1)
 """Where the search starts: w D/v, damping ratios, and break-aways in periods."""
@@ -72,6 +72,11 @@ class Block(Motion):
         steps |= dict.fromkeys(("F_b", *DRIFTS), self.noise.get("F", 0.0))
         steps["x_0"] = self.noise.get("x", 0.0)
         return np.array([steps.get(name, _STEP) for name in self.names])
+
+    @property
+    def usual(self) -> Floats:
+        """A damping ratio beyond its limits shows nothing: it comes back from there."""
+        return np.array([_USUAL_ZETA if name == "zeta" else math.inf for name in self.names])
 
     def motion(self, n: Floats) -> Solution:
         """Return the motion of the block."""
