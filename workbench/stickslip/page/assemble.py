@@ -14,6 +14,7 @@ from urllib.parse import urljoin
 
 from jinja2 import Environment, FunctionLoader, StrictUndefined
 
+from stickslip_fmu.laws.lugre.law import LUGRE
 from stickslip_fmu.release import VERSION
 from stickslip_fmu.spec import TABLE
 from stickslip_units import KINDS, UNIT_PREFIXES, UNITS_ALONE, UNITS_WITH_PREFIX
@@ -92,6 +93,7 @@ def page(setting: Mapping[str, float] | None = None, address: str = "") -> str:
             {key: value for key, value in row.items() if key != "symbol"}
             for row in _rows("control", "parameter")
         ],
+        "bristles": _rows("bristle"),
         "units": _units(),
         "scales": texts.SCALES,
         "applications": [
@@ -106,6 +108,7 @@ def page(setting: Mapping[str, float] | None = None, address: str = "") -> str:
     return environment.get_template("page.html.j2").render(
         version=VERSION,
         controls=_rows("control"),
+        bristles=_rows("bristle"),
         applications=applications,
         story=story,
         questions=texts.questions(_table("questions/questions.toml")["question"], start, table),
@@ -143,13 +146,14 @@ def page_range(name: str) -> tuple[float, float, str]:
 
 @cache
 def _rows(*kinds: str) -> list[dict[str, Any]]:
-    """Return the rows of controls.toml: each ``"control"``, each ``"parameter"`` that has none.
+    """Return rows of controls.toml: each ``"control"``, ``"parameter"`` without one, ``"bristle"``.
 
     Each has its SI unit, what is expected there in words, and the start value (SI) of its variable.
     """
     rows, table = [], _table("controls/controls.toml")
+    variables = {row.name: row for row in LUGRE.interface.rows} | TABLE.by_name
     for row in (row for kind in kinds for row in table[kind]):
-        variable = TABLE.by_name.get(row["name"])
+        variable = variables.get(row["name"])
         # The normal force is no variable of the FMU.
         unit = KINDS[variable.unit if variable else "N"]
         start = {"start": variable.start} if variable else {}

@@ -1,5 +1,6 @@
 /** The page put together: a setting is solved at once and drawn at the next frame. */
 
+import { makeBristles } from "./bristles/bristles.js";
 import { hashOf, makeAddress, valuesIn } from "./controls/address.js";
 import { makeControls } from "./controls/controls.js";
 import { makeCures } from "./cures/cures.js";
@@ -21,6 +22,7 @@ import { curveFlaw } from "./model/friction.js";
 import { regimesOf } from "./model/regimes.js";
 import { harmonicsOfMotion } from "./model/harmonics.js";
 import { curesOf } from "./model/cures.js";
+import { lugreCycle } from "./model/lugre.js";
 import { slowJump } from "./model/cycle.js";
 import { criticalCurve, equalJump, jumpOverSpeed } from "./model/maps.js";
 import { flawOf, solve } from "./view/solution.js";
@@ -76,10 +78,12 @@ function setAll(values, next = curve) {
 /** What brings the setting back, for the address. */
 const asked = () => ({
   ...controls.wanted(),
+  ...bristles.wanted(),
   ...(curve && { curve: curve.flat().slice(1) }),
 });
 function place() {
-  return story.address() ?? asked();
+  const step = story.address();
+  return step ? { ...step, ...bristles.wanted() } : asked();
 }
 
 /** @type {Page} */
@@ -120,6 +124,8 @@ const sections = [
   makeFriction(page, data.curves, controls.starts, reader),
 ];
 const ofConstant = [makeCures, makeJumpMap, makePlane].map((make) => make(constantPage));
+const bristles = makeBristles(constantPage, data.bristles, reader, address.write);
+ofConstant.push(bristles.show);
 const keeping = makeKeeping(page, seen, reader);
 
 function redrawSoon() {
@@ -170,12 +176,15 @@ function takeAddress(event) {
   if (byId(hash.slice(1))) return address.write();
   const { values, bad, points } = valuesIn(taken ? `#${rest.join("&")}` : hash);
   const problems = bad.map((part) => `${part} is no number in SI, such as v=0.02.`);
+  const own = {};
   for (const [name, value] of Object.entries(values)) {
-    const objection = controls.objectionTo(name, value);
-    if (!objection) continue;
-    problems.push(name === "step" ? `The story has no step ${value}.` : objection);
-    delete values[name];
+    const isBristle = name in bristles.starts;
+    const objection = (isBristle ? bristles : controls).objectionTo(name, value);
+    if (objection) problems.push(name === "step" ? `The story has no step ${value}.` : objection);
+    else if (isBristle) own[name] = value;
+    if (objection || isBristle) delete values[name];
   }
+  bristles.set(own);
   seen.release();
   ghost = null;
   // What the address leaves out is as in its step, or at the start, whatever was shown before.
@@ -231,6 +240,7 @@ window["stickslip"] = {
   harmonics: (count) => harmonicsOfMotion(solution.motion, count),
   record: sound.record,
   cures: (p) => curesOf(p),
+  lugre: lugreCycle,
   curves: { criticalCurve, equalJump, jumpOverSpeed, slowJump },
   at: (t) => solution.motion.at(t),
   events: (from, to) => [...solution.motion.events(from, to)],

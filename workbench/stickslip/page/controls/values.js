@@ -33,6 +33,14 @@ export function outOfRange(value, { least, most, unit }) {
   return `is out of range: from ${least} to ${most} ${unit}`.trim();
 }
 
+/** @type {(table: Control[], name: string, value: any) => string | null} what is wrong with a value [SI] */
+export function objectionIn(table, name, value) {
+  const parameter = table.find((each) => each.name === name);
+  if (!parameter) return `There is no parameter ${name}.`;
+  const objection = outOfRange(Number(value), parameter);
+  return objection ? `${name}: ${value} ${objection}.` : null;
+}
+
 /** @type {(value: number, scale: Scale) => string} a value [SI] in a unit, as a person reads it */
 export function typedText(value, { size }) {
   // Beyond 12 digits stands what rounding left of a division or a difference.

@@ -23,7 +23,7 @@ const KEY_FACTOR = 1.05;
 const KEY_MU = 0.01;
 const MORE = 5;
 /** What is about constant friction says so while a curve is set. */
-const ABOUT_CONSTANT = ["mu_k-control", "said", "cures", "maps", "questions", "theory"];
+const ABOUT_CONSTANT = ["mu_k-control", "said", "cures", "maps", "bristles", "questions", "theory"];
 
 /**
  * Returns what shows a solution; curves are offered, and set the FMU's start values too.

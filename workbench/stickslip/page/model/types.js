@@ -36,6 +36,27 @@
  * @typedef {Numbers & Period & OfCycle} Cycle the exact steady cycle
  * @typedef {Period & {F_s: number, delta_x: number}} Simplified the cycle as designers write it
  *
+ * @typedef {object} Bristles LuGre's own numbers
+ * @property {number} sigma_0 stiffness of the bristles [N/m]
+ * @property {number} sigma_1 their damping [N s/m]
+ * @property {number} v_s speed of the fall of friction [m/s]
+ *
+ * @typedef {{t: number, z: number, x_dot: number, friction: number}} LugreState time [s], extension of
+ *   the spring [m], velocity [m/s], friction on the mass with damping [N]
+ *
+ * @typedef {object} LugreCycle what a block on bristles comes to from rest: "cycle"; "even", it slides
+ *   evenly; "creep", so near to that that no growth is followed; "unsettled", nothing
+ *   within the bound on work; "none", there is no friction. All but `calm` with a cycle alone
+ * @property {"cycle" | "even" | "creep" | "unsettled" | "none"} outcome
+ * @property {boolean} calm whether even sliding is stable
+ * @property {number} [T] period [s]
+ * @property {number} [delta_x] way of the mass in the largest fall of the spring [m]
+ * @property {number} [x_dot_peak] largest velocity [m/s]
+ * @property {number} [friction_max] largest friction, damping included [N]
+ * @property {number} [F_max] largest spring force [N]
+ * @property {number} [falls] falls of the spring in the cycle
+ * @property {LugreState[]} [states] along it, from the maximum of the spring
+ *
  * @typedef {[u: number, mu: number][]} Curve a friction curve: speeds [m/s], rising from 0, and
  *   coefficients in slip; straight lines between the points, constant beyond the last
  *
