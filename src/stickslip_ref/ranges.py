@@ -43,6 +43,8 @@ class CriticalVelocity(NamedTuple):
     proven : bool
         Whether nothing else exists, at any velocity. Else nothing else was found in the range, and
         nothing narrower than 1 % of v was looked for.
+    reason : str
+        Why no cycle exists at any velocity, where the friction law says it.
 
     Notes
     -----
@@ -54,6 +56,7 @@ class CriticalVelocity(NamedTuple):
     cycle: tuple[Interval, ...]
     between: tuple[float, float]
     proven: bool
+    reason: str = ""
 
     @property
     def highest(self) -> float:

@@ -249,7 +249,8 @@ def test_friction_that_does_not_fall_has_no_cycle_and_says_why() -> None:
     with pytest.raises(ValueError, match=r"a = 0\.02 is at least b = 0\.015"):
         memory_cycle(Parameters(), "rate_state", {"a": 0.02})
     found = critical_velocity(Parameters(), "rate_state", {"a": 0.02}, (1e-6, 1.0))
-    assert (found.unstable, found.cycle) == ((), ())
+    assert (found.unstable, found.cycle, found.proven) == ((), (), True)
+    assert "a = 0.02 is at least b = 0.015" in found.reason
     with pytest.raises(ValueError, match="regime needs a friction law with a stick"):
         regime(Parameters(), "lugre")
 

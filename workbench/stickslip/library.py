@@ -27,7 +27,7 @@ from stickslip.runs import (
     simulate_fmu,
     simulate_reference,
 )
-from stickslip.show.tables import critical_table, cycle_rows, cycle_table, theory_table
+from stickslip.show.tables import critical_table, cycle_rows, cycle_table, motions, theory_table
 from stickslip_fmu.laws.named import COULOMB_NAME
 
 if TYPE_CHECKING:
@@ -239,14 +239,18 @@ class Limits(Shown):
         Intervals of the pulling velocity [m/s] at which a cycle with a stick exists, and at which
         steady sliding is unstable.
     regime
-        What happens at the velocity of the block, where one was given; else None.
+        What happens at the velocity of the block, where one was given; else None, as for a friction
+        law without a stick.
     notes
         Warnings.
+    v
+        That velocity without its sign [m/s]; 0 where none was given.
     """
 
     velocities: stickslip_ref.CriticalVelocity
     regime: stickslip_ref.Regime | None
     notes: tuple[str, ...] = ()
+    v: float = 0.0
 
     def __repr__(self) -> str:
         ranges = (
@@ -257,12 +261,12 @@ class Limits(Shown):
 
     def table(self) -> RenderableType:
         """Return the intervals, for rich."""
-        return critical_table(self.velocities, self.regime)
+        return critical_table(self.velocities, self.regime, self.v)
 
     def to_dict(self) -> dict[str, Any]:
         """Return intervals and regime [SI]."""
-        regime = None if self.regime is None else self.regime.words
-        return {**self.velocities._asdict(), "at_v": regime}
+        words = motions(self.velocities, self.v) if self.v else None
+        return {**self.velocities._asdict(), "at_v": self.regime.words if self.regime else words}
 
     def plot(self) -> Figure:
         """Draw the intervals over the pulling velocity."""
@@ -313,8 +317,10 @@ def critical(
                 highest = speed
             if (lowest, highest) != found.between:
                 found = stickslip_ref.critical_velocity(reference, p.law, between=(lowest, highest))
-            there = stickslip_ref.regime(reference, p.law) if p.v else None
-    return Limits(found, there, tuple(str(each.message) for each in caught))
+            if p.v and stickslip_ref.friction_law(p.law).sticks:
+                there = stickslip_ref.regime(reference, p.law)
+    speed = abs(p.v) if "v" in p.given else 0.0
+    return Limits(found, there, tuple(str(each.message) for each in caught), speed)
 
 
 def build(

@@ -77,6 +77,8 @@ def critical_velocity(
         )
     if closed:
         return _coulomb(p, (low, high))
+    if reason := law.no_cycle(p):
+        return CriticalVelocity((), (), (low, high), True, reason)
     if _force(p, law) == 0.0:
         return CriticalVelocity(unstable_ranges(p, law, (low, high)), (), (low, high), False)
     if law is COULOMB:

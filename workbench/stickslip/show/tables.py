@@ -101,8 +101,10 @@ def _without_blanks_at_the_end(line: list[Segment]) -> list[Segment]:
     return line
 
 
-def critical_table(found: CriticalVelocity, there: Regime | None = None) -> RenderableType:
-    """Make the table of a limit, with what happens at a velocity where it is given."""
+def critical_table(
+    found: CriticalVelocity, there: Regime | None = None, v: float = 0.0
+) -> RenderableType:
+    """Make the table of a limit, with what happens, else what exists, at a velocity if given."""
     rows: list[tuple[str, ...]] = []
     for name, intervals in (
         ("a cycle with a stick exists", found.cycle),
@@ -113,7 +115,7 @@ def critical_table(found: CriticalVelocity, there: Regime | None = None) -> Rend
             for low, high, low_end, high_end in intervals
         ] or [("none exists" if found.proven else "none found", "", "", "")]
         rows += [("" if number else name, *cells) for number, cells in enumerate(ends)]
-    notes = []
+    notes = [f"no cycle: {found.reason}"] if found.reason else []
     if there is not None:
         settles = ""
         if there.kinds == ("even",) and not math.isinf(there.settling):
@@ -121,6 +123,8 @@ def critical_table(found: CriticalVelocity, there: Regime | None = None) -> Rend
                 f": within 5 % of the speed {there.settling:.3g} s after it breaks away from rest"
             )
         notes.append(f"at {_speed(there.speed)} the mass {there.words}{settles}")
+    elif v:
+        notes.append(f"at {_speed(v)} the mass {motions(found, v)}")
     if not found.proven:
         low, high = map(_speed, found.between)
         notes.append(
@@ -129,6 +133,12 @@ def critical_table(found: CriticalVelocity, there: Regime | None = None) -> Rend
         )
     table = grid(("", "from", "", "to", ""), rows, texts=(0, 2, 4))
     return Group(table, *(Text(note) for note in notes))
+
+
+def motions(found: CriticalVelocity, v: float) -> str:
+    """Return which motions exist at a velocity [m/s], in words."""
+    words = {"sticks": "sticks and slips", "swings": "swings", "even": "moves evenly"}
+    return ", or after another start ".join(words[each] for each in found.motions(v))
 
 
 def _kind(v: float, kind: str) -> str:
