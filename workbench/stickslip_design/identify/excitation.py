@@ -207,30 +207,21 @@ def driven(record: Record, axis: Axis | None) -> Identified:
     return Identified(
         kind="steady runs" if rows.steady else "excitation",
         reason=f"{len(steady)} runs of constant speed, of {share:.0%} of the moving time"
-        if rows.steady
-        else "the table is accelerated and braked",
-        numbers=tuple(_numbers(rows, law, others, axis)),
-        missing=tuple(missing.items()),
+        if rows.steady else "the table is accelerated and braked",
+        numbers=tuple(_numbers(rows, law, others, axis)), missing=tuple(missing.items()),
         residual=Residual(
-            rms=float(np.sqrt(np.mean(rows.best.residual**2))),
-            unit="N",
+            rms=float(np.sqrt(np.mean(rows.best.residual**2))), unit="N", at=at,
             memory=memory.samples * rows.step,
-            at=at,
             faults=(*others, *_faults(rows, law, curve, inside)),
         ),
         traces=(
             Trace(
-                name="force",
-                unit="N",
-                t=moved["t"][shown],
-                measured=moved["force"][shown],
+                name="force", unit="N", t=moved["t"][shown], measured=moved["force"][shown],
                 fitted=rows.best.fitted[shown],
             ),
         ),
-        segments=tuple(parts),
-        curve=curve,
-        notes=tuple(notes),
-    )
+        segments=tuple(parts), curve=curve, notes=tuple(notes),
+    )  # fmt: skip
 
 
 def _rows(runs: Sequence[Even], record: Record, axis: Axis | None) -> _Rows:
@@ -258,12 +249,9 @@ def _rows(runs: Sequence[Even], record: Record, axis: Axis | None) -> _Rows:
 
 
 def _at(
-    runs: Sequence[Even],
-    record: Record,
-    axis: Axis | None,
-    stride: int,
+    runs: Sequence[Even], record: Record, axis: Axis | None, stride: int,
     steady: Sequence[Plateau] = (),
-) -> _Rows | None:
+) -> _Rows | None:  # fmt: skip
     """Return every so many samples behind a low pass, without rests, or those of steady runs.
 
     None where nothing is left.
@@ -298,14 +286,10 @@ def _at(
         return None
     moved = {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}
     return _Rows(
-        moved=moved,
+        moved=moved, sample=step, step=stride * step, yielding=yielding, steady=bool(steady),
         wanted={n[7:]: moved[n] for n in moved if n[:7] == "wanted "} if late is not None else {},
-        sample=step,
-        step=stride * step,
         noise=max(scatter(run, corner, rounding) for run in runs),
-        yielding=yielding,
-        steady=bool(steady),
-    )
+    )  # fmt: skip
 
 
 def _moved(v: Floats, a: Floats, step: float, corner: float) -> Columns:
@@ -365,13 +349,9 @@ def _numbers(
         apart = [sign * o.number(symbol) - own for o in others.values() if symbol in o.names]
         also = f", without {drive.inertia:.4g} kg of the motor" if drive and symbol == "m" else ""
         yield Number(
-            name=name,
-            meaning=meaning + also,
-            unit=unit,
-            value=value,
-            low=min(value - reach, *apart, value),
-            high=max(value + reach, *apart, value),
-        )
+            name=name, meaning=meaning + also, unit=unit, value=value,
+            low=min(value - reach, *apart, value), high=max(value + reach, *apart, value),
+        )  # fmt: skip
 
 
 def _others(rows: _Rows, axis: Axis | None) -> dict[str, Estimate]:
@@ -467,9 +447,7 @@ def _curve(rows: _Rows) -> tuple[Law, Curve, Memory]:
         [[found.number(n), found.deviation(n), found.reach(n)] for n in names]
     ).T
     law = law_of(speed, force, np.maximum(deviation, 1e-12 * float(np.max(np.abs(force)))))
-    fitted = law.estimate.fitted
-    return (
-        law,
-        Curve(speed=speed, force=force, band=band, law=law.words, fitted=fitted),
-        found.memory,
-    )
+    drawn = Curve(
+        speed=speed, force=force, band=band, law=law.words, fitted=law.estimate.fitted
+    )  # fmt: skip
+    return law, drawn, found.memory

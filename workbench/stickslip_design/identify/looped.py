@@ -264,17 +264,17 @@ def fitted_loop(record: Record, axis: Axis, run: Run) -> Fitted[Loop]:
             "the axis as its file states it does not jump at this feed: nothing to fit"
         )
     for count, most in _STAGES:
-        best = sorted(found, key=_likelihood)[:most]
+        best = sorted(found, key=_unlikelihood)[:most]
         # Far from the minimum what is usual of a start counts as much as the residual.
         wider = [Fitted(one.motion.over(count), one.value) for one in best]
         found = [weighed(one, _ROUGHLY, _ROUGH) for one in wider]
-    return weighed(weighed(min(found, key=_likelihood), _FINELY, _FINE), _FINELY, _FINE)
+    return weighed(weighed(min(found, key=_unlikelihood), _FINELY, _FINE), _FINELY, _FINE)
 
 
-def _likelihood(found: Fitted[Loop]) -> float:
-    """Return minus twice the logarithm of the likelihood, but for a constant."""
+def _unlikelihood(found: Fitted[Loop]) -> float:
+    """Return minus twice the logarithm of the likelihood, for each sample: runs differ by some."""
     sizes = zip(found.residual, found.motion.noise.values(), strict=True)
-    return sum(r.size * math.log(float(r @ r) * e**2) for r, e in sizes)
+    return sum(math.log(float(np.mean(r * r)) * e**2) for r, e in sizes)
 
 
 def _begun(run: Run) -> Run:
