@@ -268,7 +268,7 @@ def fitted_loop(record: Record, axis: Axis, run: Run) -> Fitted[Loop]:
         # Far from the minimum what is usual of a start counts as much as the residual.
         wider = [Fitted(one.motion.over(count), one.value) for one in best]
         found = [weighed(one, _ROUGHLY, _ROUGH) for one in wider]
-    return weighed(weighed(min(found, key=_unlikelihood), _FINELY, _FINE), _FINELY, _FINE)
+    return weighed(min(found, key=_unlikelihood), _FINELY, _FINE)
 
 
 def _unlikelihood(found: Fitted[Loop]) -> float:
