@@ -9,9 +9,12 @@ from typing import Any
 import numpy as np
 import pytest
 
+from stickslip_design.identify.block import fitted_block
+from stickslip_design.identify.cycles import runs_of
 from stickslip_design.identify.jumps import is_stick_slip, stick_slip
 from stickslip_design.identify.model import Identified, Record
 from stickslip_design.identify.noise import least_squares
+from stickslip_design.identify.nonlinear import fit
 from stickslip_ref import Change, Parameters, simulate
 from tests.design.axes import SERVO
 from tests.design.simulated import Simulation
@@ -77,6 +80,16 @@ def test_each_column_tells_its_own(column: str) -> None:
     assert ("friction.mu_s" in told) == (column == "position")
     assert ("friction.F_s" in told) == (column == "force")
     assert sum(covered(found)) >= len(told) - 2
+
+
+def test_a_search_whose_damping_goes_beyond_its_limits_comes_back() -> None:
+    record = replace(noisy(pulled(begin=3.0), 11), position=None)
+    found = fitted_block(record, runs_of(record, None)[0])
+    start = found.value.copy()
+    place = found.motion.names.index("zeta")
+    start[place] = -0.4
+    back = fit(found.motion, start).value[place]
+    assert back == pytest.approx(found.value[place], abs=1e-3)
 
 
 def test_without_a_load_up_the_position_tells_only_a_difference() -> None:
