@@ -163,8 +163,8 @@ function bristlesInWords(p, own, { outcome, calm, falls }, exact) {
     even: `From rest LuGre's block comes to slide evenly at ${v}: it has no cycle${but}.`,
     creep: `From rest LuGre's block slides evenly at ${v}: swings grow too slowly to be followed, if at all.`,
     unsettled:
-      "LuGre's block repeats no period within the work that this page does: swings change too slowly, " +
-      "or bristles ring too long, which a larger σ₁ ends.",
+      "LuGre's block repeats no period within the work that this page does: its swings change too " +
+      "slowly or never repeat, or its bristles ring too long, which a larger σ₁ ends.",
     none: "There is no friction: no bristles bend.",
   }[outcome];
   if (outcome === "none" || !givesEnergy(p, own)) return words;

@@ -28,6 +28,7 @@ const NOISE = 1e-9;
 /** Falls that differ by less than this part become equal; while bristles ring a cycle has several. */
 const ALIKE = 1e-3;
 const TENDS = 0.03;
+const MOST_TENDING = 40;
 /** Even sliding, if stable, is reached at this part of v; what is unstable is lost at that one. */
 const CALM = 1e-3;
 const TOO_NEAR = 1e-6;
@@ -180,15 +181,18 @@ export function lugreCycle(p, own) {
   const tops = [];
   /** @type {Unknowns} */
   let y = [0, 0, 0];
-  let [t, length, falls] = [0, (1e-4 * F_s) / k / v, false];
+  let [t, length, falls, side] = [0, (1e-4 * F_s) / k / v, false, 1];
   for (let tables = 0; tables < MOST_TABLES; tables++) {
-    const way = Math.sign(y[1]) || Math.sign(fieldAt(block, y, 1).x_ddot) || 1;
+    const way = Math.sign(y[1]) || side * (Math.sign(fieldAt(block, y, 1).x_ddot) || 1);
     const stride = { t, from: y, way, length };
     const ends = extrapolated(block, stride);
     const error = errorOf(block, stride, ends);
     const change = (AIM / error) ** (1 / ROWS);
     length *= Math.min(Math.max(change, 1 / MOST_CHANGE), error <= 1 ? MOST_CHANGE : 0.5);
     if (!(error <= 1)) continue;
+    // From standstill the sign of a force that is rounding leads nowhere.
+    side = !y[1] && way * ends[0][1] < 0 ? -side : 1;
+    if (side < 0) continue;
     y = ends[0];
     const stops = way * y[1] < 0;
     const turns = !stops && (falls ? y[1] < v : y[1] > v);
@@ -208,8 +212,9 @@ export function lugreCycle(p, own) {
     if (!turns) continue;
     falls = !falls;
     if (falls) {
-      y = tended(tops, y);
-      tops.push({ at: strides.length, t, y, drop: 0 });
+      const next = tended(tops, y);
+      tops.push({ at: strides.length, t, y: next, drop: 0, moved: next !== y });
+      y = next;
     } else {
       const last = tops[tops.length - 1];
       last.drop = last.y[0] - y[0];
@@ -220,20 +225,21 @@ export function lugreCycle(p, own) {
   return { outcome: "unsettled", calm };
 }
 
-/** @typedef {{at: number, t: number, y: Unknowns, drop: number}} Top a maximum of the spring: strides
- *   before it, its time [s] and state, and the fall after it [m] */
+/** @typedef {{at: number, t: number, y: Unknowns, drop: number, moved: boolean}} Top a maximum of the
+ *   spring: strides before it, time [s], state, the fall after it [m], and whether `tended` moved it */
 
 /**
- * The state that maxima of the spring tend to, by Aitken, every fourth time; else the last one. Only
- * largest falls that are nearly alike tend to something; the cycle must repeat itself all the same.
+ * The state that maxima of the spring tend to, by Aitken, at every fourth of the first ones; else the
+ * last state. Only largest falls that are nearly alike tend to something, and no cycle has such a move.
  * @type {(tops: Top[], y: Unknowns) => Unknowns}
  */
 function tended(tops, y) {
+  if (tops.length % 4 !== 3 || tops.length > MOST_TENDING) return y;
   const [a, b] = tops.slice(-2);
   const largest = Math.max(...tops.map(({ drop }) => drop));
-  if (tops.length % 4 !== 3 || Math.abs(a.drop - b.drop) > TENDS * b.drop) return y;
   const ratio = (y[0] - b.y[0]) / (b.y[0] - a.y[0]);
-  if (!(Math.abs(ratio) < 0.95 && b.drop > 0.5 * largest)) return y;
+  const alike = Math.abs(a.drop - b.drop) < TENDS * b.drop && b.drop > 0.5 * largest;
+  if (!(alike && Math.abs(ratio) < 0.95)) return y;
   const part = ratio / (1 - ratio);
   return [y[0] + part * (y[0] - b.y[0]), y[1], y[2] + part * (y[2] - b.y[2])];
 }
@@ -245,7 +251,8 @@ function tended(tops, y) {
 function cycleBefore(tops, length, bend) {
   const last = tops[tops.length - 1];
   const near = STEADY * last.drop + NOISE * length;
-  for (const top of tops.slice(0, -1).reverse()) {
+  for (let n = tops.length - 1; n && !tops[n].moved; n--) {
+    const top = tops[n - 1];
     const off = Math.abs(top.drop - last.drop);
     const turned = Math.abs(top.y[2] - last.y[2]);
     if (Math.max(off, Math.abs(top.y[0] - last.y[0])) < near && turned < STEADY * bend) return top;
