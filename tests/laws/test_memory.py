@@ -260,6 +260,7 @@ def test_a_cycle_outlasts_the_velocity_at_which_sliding_turns_stable() -> None:
     base, own = parted(CANUDAS)
     found = critical_velocity(Parameters(**base), "lugre", own, (1e-3, 1.0))
     (unstable,), (cycle,) = found.unstable, found.cycle
+    assert cycle.high == pytest.approx(0.1751, rel=0.01)
     # g'(v) + c = 0: 2 (F_s - F_c) v / v_s^2 exp(-(v/v_s)^2) = c, but for the bristles.
     assert unstable.high == pytest.approx(2.99e-3, rel=2e-3)
     assert (cycle.high_end, unstable.high_end) == ("fold", "eigenvalue")
@@ -267,6 +268,21 @@ def test_a_cycle_outlasts_the_velocity_at_which_sliding_turns_stable() -> None:
     for v, exists in ((0.98 * cycle.high, True), (1.02 * cycle.high, False)):
         assert (memory_cycle(replace(p, v=v), "lugre", own) is not None) is exists
     assert found.motions(0.05) == ("sticks", "even")
+
+
+def test_without_damping_bristles_slide_neutrally_and_stick_slip_has_no_end() -> None:
+    # As under Coulomb's law. Above some v_s the damping is 0, and no rounding of it.
+    found = critical_velocity(Parameters(), "lugre", {}, (2e-3, 1.0))
+    (unstable,) = found.unstable
+    assert 5e-3 < unstable.high < 0.03
+    assert [(each.high, each.high_end) for each in found.cycle] == [(1.0, "none")]
+
+
+def test_a_search_that_begins_beyond_unstable_sliding_finds_the_cycles() -> None:
+    base, own = parted(CANUDAS)
+    found = critical_velocity(Parameters(**base), "lugre", own, (0.17, 0.2))
+    assert found.unstable == ()
+    assert found.cycle[0].high == pytest.approx(0.1751, rel=0.01)
 
 
 @pytest.mark.parametrize("values", [{"sigma_0": 0.0}, {"sigma_1": -1.0}, {"delta": 0.5}], ids=str)

@@ -87,7 +87,9 @@ class LuGre(FrictionLaw):
         size, s = abs(u), float(np.sign(u))
         g, slope = self.sliding_friction(p, size), self.sliding_slope(p, size)
         by_zeta = -own["sigma_0"] * size / g
-        by_u = 1.0 - s * own["sigma_0"] * zeta / g * (1.0 - size * slope / g)
+        # In steady sliding it is 1, and a rounding would be all of a damping of 0.
+        bent = 1.0 if zeta == s * (g / own["sigma_0"]) else s * own["sigma_0"] * zeta / g
+        by_u = 1.0 - bent * (1.0 - size * slope / g)
         damping = self.damping(p, u)
         weaker = -2.0 * u / own["v_d"] ** 2 * damping if own["v_d"] else 0.0
         friction_by_u = damping * by_u + weaker * (u + by_zeta * zeta) + float(p.c)

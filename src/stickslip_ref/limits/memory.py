@@ -2,7 +2,7 @@
 
 Sliding at the speed of the pull is stable where all eigenvalues of the exact Jacobian there are on
 the left. A cycle is a fixed point of the map from one maximum of the spring to the next, found by
-Newton's method; it is followed over the pulling velocity from one that was found.
+Broyden's method; it is followed over the pulling velocity from one that was found.
 """
 
 from __future__ import annotations
@@ -27,16 +27,22 @@ FOLD, GRAZING, NONE = "fold", "grazing", "none"
 STUCK = 0.01
 """A mass whose least velocity is below this part of the pull's is said to stick."""
 
-_RTOL = 1e-13
-_DIFFERENCE = 1e-5
-"""Of a variable of the map, over its size: its error of some 1e-11 leaves five digits of the slope,
-and so of each step of Newton's method."""
-_CONVERGED, _STEPS = 1e-9, 8
-"""Change of the variables over their sizes at the fixed point, and how many steps lead to it."""
+
+class Accuracy(NamedTuple):
+    """Relative tolerance of a step, change over sizes at a fixed point, rounds that lead to it."""
+
+    rtol: float
+    change: float
+    rounds: int
+
+
+FINE, ROUGH = Accuracy(1e-13, 1e-10, 20), Accuracy(1e-8, 1e-6, 12)
+"""Of a cycle that is asked for, and of one of which only the existence is."""
+
 _FLAT = 1e-6
 """A relief of the spring below this part of its extension is no cycle."""
 _ROUNDS = 3
-"""Rounds from rest after which Newton's method begins."""
+"""Rounds from rest after which Broyden's method begins."""
 _LONGEST = 3.0
 """Time for half a round, over a period of the spring and its load-up."""
 _NARROW = 1e-2
@@ -83,11 +89,14 @@ def stability(p: Parameters, law: FrictionLaw, v: float) -> float:
     A = sliding_jacobian(replace(p, v=v).with_own(p.own), law)
     if len(A) == 2:
         return float(-np.trace(A))
-    minors = (np.trace(A) ** 2 - np.trace(A @ A)) / 2.0
-    return float(np.linalg.det(A) - np.trace(A) * minors)
+    # Multiplied out: what is left of neutral sliding is 0, and no rounding of a_2 a_1.
+    inner = (A[1, 1] + A[2, 2]) * (A[1, 2] * A[2, 1] - A[1, 1] * A[2, 2])
+    return float(inner + A[1, 0] * (A[0, 1] * A[1, 1] + A[0, 2] * A[2, 1]))
 
 
-def limit_cycle(p: Parameters, law: FrictionLaw, guess: Floats | None = None) -> Round | None:
+def limit_cycle(
+    p: Parameters, law: FrictionLaw, guess: Floats | None = None, accuracy: Accuracy = FINE
+) -> Round | None:
     """Return the cycle at ``p.v`` [m/s] > 0 from and to the same maximum; None: none was found.
 
     Parameters
@@ -99,30 +108,33 @@ def limit_cycle(p: Parameters, law: FrictionLaw, guess: Floats | None = None) ->
     guess : array, optional
         Extension of the spring [m] and own state at a maximum; else some rounds from rest lead to
         one.
+    accuracy : Accuracy, optional
+        `FINE` or `ROUGH`.
+
+    Notes
+    -----
+    The slope of the map is taken as 0, and corrected in each step by Broyden's formula (Mathematics
+    of Computation 19 (1965) 577): what a round forgets, as most cycles do, costs two rounds.
     """
-    x = _from_rest(p, law) if guess is None else guess
+    x = _from_rest(p, law, accuracy.rtol) if guess is None else guess
     if x is None:
         return None
     free = slice(0 if law.velocity_from(p, 0.0, float(p.v), law.state_start(p)) == p.v else 1, None)
     length = float(law.break_away_force(p)) / float(p.k) or abs(float(x[0]))
     sizes = np.array([length, *law.state_scale(p)])
-    for _ in range(_STEPS):
-        here = _around(p, law, x)
+    slopes, step = -np.eye(x[free].size), np.zeros(x[free].size)
+    for _ in range(accuracy.rounds):
+        here = _around(p, law, x, accuracy.rtol)
         if here is None or here.relief < _FLAT * length:
             return None
-        off = _end(here) - x
-        if np.max(np.abs(off / sizes)[free]) < _CONVERGED:
+        off = ((_end(here) - x) / sizes)[free]
+        if np.max(np.abs(off)) < accuracy.change:
             return here
-        columns = []
-        for number in range(x.size)[free]:
-            apart = np.zeros_like(x)
-            apart[number] = _DIFFERENCE * sizes[number]
-            beside = _around(p, law, x + apart)
-            if beside is None:
-                return None
-            columns.append((_end(beside) - _end(here) - apart)[free] / apart[number])
+        if np.any(step):
+            slopes += np.outer(off, step) / (step @ step)
+        step = -np.linalg.lstsq(slopes, off)[0]
         x = x.copy()
-        x[free] -= np.linalg.solve(np.array(columns).T, off[free])
+        x[free] += step * sizes[free]
     return None
 
 
@@ -131,26 +143,26 @@ def _end(found: Round) -> Floats:
 
 
 def _half(
-    p: Parameters, law: FrictionLaw, z: float, u: float, state: State, falls: bool
+    p: Parameters, law: FrictionLaw, z: float, u: float, state: State, falls: bool, rtol: float
 ) -> tuple[Phase, float, State] | None:
-    """Follow one phase; return it, z and the state at its end, None if it does not end."""
+    """Follow one phase; return it, z and the state at its end, None if it dies or does not end."""
     load_up = law.break_away_force(p) / (float(p.k) * float(p.v))
     horizon = _LONGEST * (2.0 * math.pi / float(p.w) + load_up)
-    phase = integrate_whole(p, law, z, u, state, falls, False, horizon, _RTOL)
-    if not phase.ended:
+    phase = integrate_whole(p, law, z, u, state, falls, False, horizon, rtol)
+    if not phase.ended or phase.settled:
         return None
     end = phase.sample(np.array([phase.duration]))
     return phase, z - float(end.relief[0]), tuple(end.state[:, 0].tolist())
 
 
-def _around(p: Parameters, law: FrictionLaw, x: Floats) -> Round | None:
+def _around(p: Parameters, law: FrictionLaw, x: Floats, rtol: float) -> Round | None:
     """Follow the motion from a maximum of the spring to the next."""
     v, state = float(p.v), tuple(x[1:].tolist())
     z = float(x[0])
     if law.velocity_from(p, z, v, state) != v:
         z = (law.slip_friction(p, v, state) + float(p.c) * v - float(p.F_ext)) / float(p.k)
-    slip = _half(p, law, z, v, state, True)
-    stick = _half(p, law, slip[1], v, slip[2], False) if slip else None
+    slip = _half(p, law, z, v, state, True, rtol)
+    stick = _half(p, law, slip[1], v, slip[2], False, rtol) if slip else None
     if slip is None or stick is None:
         return None
     return Round(
@@ -164,13 +176,13 @@ def _around(p: Parameters, law: FrictionLaw, x: Floats) -> Round | None:
     )
 
 
-def _from_rest(p: Parameters, law: FrictionLaw) -> Floats | None:
+def _from_rest(p: Parameters, law: FrictionLaw, rtol: float) -> Floats | None:
     """Return z and own state at a maximum some rounds after a start from rest."""
     state = law.state_start(p)
-    first = _half(p, law, 0.0, law.velocity_from(p, 0.0, 0.0, state), state, False)
+    first = _half(p, law, 0.0, law.velocity_from(p, 0.0, 0.0, state), state, False, rtol)
     x = None if first is None else np.array([first[1], *first[2]])
     for _ in range(_ROUNDS):
-        found = None if x is None else _around(p, law, x)
+        found = None if x is None else _around(p, law, x, rtol)
         x = None if found is None else _end(found)
     return x
 
@@ -190,19 +202,18 @@ def measured(p: Parameters, found: Round) -> MeasuredCycle:
 
 
 def cycle_ranges(
-    p: Parameters, law: FrictionLaw, unstable: tuple[Interval, ...], between: tuple[float, float]
+    p: Parameters, law: FrictionLaw, speeds: list[float], between: tuple[float, float]
 ) -> tuple[Interval, ...]:
-    """Return the velocities with a cycle that sticks, those about each unstable range [m/s]."""
+    """Return the ranges [m/s] of cycles that stick which a start from rest at some speeds finds."""
     found: list[Interval] = []
-    for each in unstable:
-        middle = math.sqrt(each.low * each.high)
-        if any(middle in other for other in found):
+    for v in speeds:
+        if any(v in other for other in found):
             continue
-        seed = limit_cycle(replace(p, v=middle).with_own(p.own), law)
-        if seed is None or seed.least > STUCK * middle:
+        seed = limit_cycle(replace(p, v=v).with_own(p.own), law, accuracy=ROUGH)
+        if seed is None or seed.least > STUCK * v:
             continue
-        low, low_end = _followed(p, law, middle, seed, between[0])
-        high, high_end = _followed(p, law, middle, seed, between[1])
+        low, low_end = _followed(p, law, v, seed, between[0])
+        high, high_end = _followed(p, law, v, seed, between[1])
         found.append(Interval(low, high, low_end, high_end))
     return tuple(found)
 
@@ -211,13 +222,17 @@ def _followed(
     p: Parameters, law: FrictionLaw, v: float, seed: Round, last: float
 ) -> tuple[float, str]:
     """Follow a cycle that sticks from v to the velocity ``last``; return where it ends, and how."""
-    step, kind = math.copysign(math.log(2.0), last - v), NONE
+    step, kind, follows = math.copysign(math.log(2.0), last - v), NONE, False
+    x, slope = _end(seed), np.zeros(len(seed.state_end) + 1)
     while abs(step) > _NARROW and v != last:
         ahead = v * math.exp(step)
         ahead = last if (ahead - last) * step >= 0.0 else ahead
-        found = limit_cycle(replace(p, v=ahead).with_own(p.own), law, _end(seed))
+        guess = x + slope * (ahead - v)
+        found = limit_cycle(replace(p, v=ahead).with_own(p.own), law, guess, ROUGH)
         if found is not None and found.least <= STUCK * ahead:
-            v, seed = ahead, found
+            v, x, slope = ahead, _end(found), (_end(found) - x) / (ahead - v)
+            # The first one after an end or a miss may be luck.
+            step, follows = 2.0 * step if follows else step, True
         else:
-            step, kind = 0.5 * step, FOLD if found is None else GRAZING
+            step, kind, follows = 0.5 * step, FOLD if found is None else GRAZING, False
     return v, NONE if v == last else kind

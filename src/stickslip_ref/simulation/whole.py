@@ -10,8 +10,8 @@ from __future__ import annotations
 from typing import Any, NamedTuple
 
 import numpy as np
-from scipy.integrate import solve_ivp
-from scipy.optimize import minimize_scalar
+from scipy.integrate import LSODA, OdeSolution, Radau
+from scipy.optimize import brentq, minimize_scalar
 
 from ..laws import FrictionLaw, State
 from ..parameters import Parameters
@@ -38,6 +38,9 @@ CREEPS = 0.1
 
 RUNAWAY = 1e6
 """Velocity over all that the parameters set that no motion reaches."""
+
+_METHODS = {"LSODA": LSODA, "Radau": Radau}
+_EPS = 4.0 * 2.0**-52
 
 MOST_STALLS = 20
 """Pieces whose steps are lost beside the time: each goes on at time 0, some for ever."""
@@ -174,24 +177,23 @@ def integrate_whole(
     while now < duration and not ended:
         side = float(np.sign(y[1]) or np.sign(problem.rates(0.0, y)[1]) or np.sign(problem.v))
         still = still or side == 0.0
-        solution = _solve(problem, y, duration - now, s, falls, settled, side, still)
-        stalls += solution.status < 0
-        if solution.t.size < 2 or len(pieces) > MOST_PIECES or stalls > MOST_STALLS:
+        piece = _solve(problem, y, duration - now, s, falls, settled, side, still)
+        stalls += piece.end is None
+        if len(piece.t) < 2 or len(pieces) > MOST_PIECES or stalls > MOST_STALLS:
             raise RuntimeError(
-                f"the integration of the motion failed after {now + solution.t[-1]:g} s at "
-                f"{problem.velocity(y):g} m/s: {solution.message}"
+                f"the integration of the motion failed after {now + piece.t[-1]:g} s at "
+                f"{problem.velocity(y):g} m/s: {piece.message}"
             )
-        pieces.append((now, solution.sol))
-        u = np.array([problem.velocity(each) for each in solution.y.T])
-        swing = max(swing, float(np.max(np.abs(u - problem.v))))
-        still = bool(np.max(np.abs(u)) <= problem.swing)
+        pieces.append((now, piece.sol))
+        swing = max(swing, float(np.max(np.abs(piece.u - problem.v))))
+        still = bool(np.max(np.abs(piece.u)) <= problem.swing)
         outward = s if falls else -s
-        peak = outward * max(outward * peak, outward * _peak(problem, solution, u, outward))
-        y, ended = solution.y[:, -1].copy(), solution.t_events[0].size > 0
-        now = duration if solution.status == 0 else now + float(solution.t[-1])
-        if solution.t_events[1].size and not still:
+        peak = outward * max(outward * peak, outward * _peak(problem, piece, outward))
+        y, ended = piece.y.copy(), piece.end == _EXTREME
+        now = duration if piece.end == _TIME else now + piece.t[-1]
+        if piece.end == _CORNER and not still:
             y[1] = 0.0
-        if any(times.size for times in solution.t_events[2:]):
+        if piece.end == _PACE:
             problem.creeps = not problem.creeps
     return Phase(
         duration=now,
@@ -200,6 +202,21 @@ def integrate_whole(
         x_dot_peak=peak,
         sample=lambda times: _sample(problem, pieces, times),
     )
+
+
+_EXTREME, _CORNER, _PACE, _TIME = range(4)
+"""What ends a piece."""
+
+
+class _Piece(NamedTuple):
+    """A piece of the motion: ends t of its steps [s], velocities u there [m/s], the last y."""
+
+    t: list[float]
+    u: Floats
+    y: Floats
+    sol: Any
+    end: int | None
+    message: str | None
 
 
 def _solve(
@@ -211,78 +228,93 @@ def _solve(
     settled: bool,
     side: float,
     still: bool,
-) -> Any:
+) -> _Piece:
     """Integrate until the spring is at an extreme, the velocity at 0, or for a time.
 
     ``side`` is the sign of the velocity. ``still`` says that it has not left 0, ``settled`` that it
     has not left the pull: then the end is where it does. A solution that gets no further, because
     its steps are lost beside the time, may go on from there at time 0.
     """
-    ahead = 1.0 if falls else -1.0
+    start, ahead, way = y, s if falls else -s, 1.0 if problem.creeps else -1.0
+    longest = problem.law.longest_step(problem.p)
 
-    def extreme(t: float, y: Floats) -> float:
-        off = problem.velocity(y) - problem.v
+    def marks(t: float, y: Floats, u: float) -> tuple[float, ...]:
+        """Return what is < 0 up to an extreme, a corner, a change of the pace."""
+        if t == 0.0:
+            return -1.0, -1.0, -1.0
+        off = u - problem.v
         if abs(off) > RUNAWAY * problem.speed:
             raise RuntimeError(
                 f"the mass runs away, at {off:g} m/s: without inertia and damping nothing ends an "
                 "instability"
             )
-        if settled:
-            return -1.0 if t == 0.0 else abs(off) - 2.0 * problem.swing
-        return s * off if t > 0.0 else ahead
+        slack = 2.0 * problem.swing
+        return (
+            abs(off) - slack if settled else -ahead * off,
+            abs(u) - slack if still else -side * float(y[1]),
+            way * (abs(u) - CREEPS * abs(problem.v)) if longest < np.inf else -1.0,
+        )
 
-    def corner(t: float, y: Floats) -> float:
-        if still:
-            return -1.0 if t == 0.0 else abs(problem.velocity(y)) - 2.0 * problem.swing
-        return float(y[1]) if t > 0.0 else side
-
-    def pace(t: float, y: Floats) -> float:
-        if t == 0.0:
-            return -1.0 if problem.creeps else 1.0
-        return abs(problem.velocity(y)) - CREEPS * abs(problem.v)
-
-    # SciPy takes an event's options as attributes of the function, which typing has no word for.
-    extreme.terminal = corner.terminal = pace.terminal = True  # type: ignore[attr-defined]  # as above
-    extreme.direction = 1.0 if settled else -ahead  # type: ignore[attr-defined]  # as above
-    pace.direction = 1.0 if problem.creeps else -1.0  # type: ignore[attr-defined]  # as above
-    longest, radau = problem.law.longest_step(problem.p), problem.method == "Radau"
     rtol = max(problem.asked, TOLERANCES[problem.method])
     atol = rtol * problem.sizes
     if problem.resolution:
         atol[1] = problem.resolution
     problem.calls = 0
-    try:
-        solution = solve_ivp(
-            problem.rates,
-            (0.0, duration),
-            y,
-            method=problem.method,
-            dense_output=True,
-            events=(extreme, corner, pace) if longest < np.inf else (extreme, corner),
-            jac=None if problem.jacobian(0.0, y) is None else problem.jacobian,
-            max_step=longest if problem.creeps else np.inf,
-            rtol=rtol,
-            atol=atol,
-        )
-    except _StalledError:
-        solution = None
-    if not radau and (solution is None or solution.status < 0):
+    solver = _METHODS[problem.method](
+        problem.rates,
+        0.0,
+        y,
+        duration,
+        jac=None if problem.jacobian(0.0, y) is None else problem.jacobian,
+        max_step=longest if problem.creeps else np.inf,
+        rtol=rtol,
+        atol=atol,
+    )
+    t, u, steps, end, message = [0.0], [problem.velocity(y)], [], None, None
+    while end is None:
+        try:
+            message = solver.step()
+        except _StalledError:
+            solver.status = "failed"
+        if solver.status == "failed":
+            break
+        step, last, y = solver.dense_output(), solver.t, solver.y
+        ends = [
+            (float(brentq(_mark, solver.t_old, last, (marks, step, problem, n), _EPS, _EPS)), n)
+            for n, mark in enumerate(marks(last, y, problem.velocity(y)))
+            if mark >= 0.0
+        ]
+        if ends:
+            last, end = min(ends)
+            y = step(last)
+        elif solver.status == "finished":
+            end = _TIME
+        t.append(last)
+        u.append(problem.velocity(y))
+        steps.append(step)
+    if end is None and problem.method == "LSODA":
         problem.method = "Radau"
-        return _solve(problem, y, duration, s, falls, settled, side, still)
-    return solution
+        return _solve(problem, start, duration, s, falls, settled, side, still)
+    sol = OdeSolution(t, steps, alt_segment=problem.method == "LSODA") if steps else None
+    return _Piece(t, np.array(u), y, sol, end, message)
 
 
-def _peak(problem: _Problem, solution: Any, u: Floats, s: float) -> float:
-    """Return the velocity farthest along ``s`` in a piece [m/s], ``u`` at the ends of steps."""
-    at = int(np.argmax(s * u))
-    low, high = solution.t[max(at - 1, 0)], solution.t[min(at + 1, u.size - 1)]
+def _mark(t: float, marks: Any, step: Any, problem: _Problem, number: int) -> float:
+    y = step(t)
+    return float(marks(t, y, problem.velocity(y))[number])
+
+
+def _peak(problem: _Problem, piece: _Piece, s: float) -> float:
+    """Return the velocity farthest along ``s`` in a piece [m/s]."""
+    at = int(np.argmax(s * piece.u))
+    low, high = piece.t[max(at - 1, 0)], piece.t[min(at + 1, piece.u.size - 1)]
     found = minimize_scalar(
-        lambda time: -s * problem.velocity(solution.sol(time)),
+        lambda time: -s * problem.velocity(piece.sol(time)),
         bounds=(low, high),
         method="bounded",
-        options={"xatol": 1e-9 * float(high - low)},
+        options={"xatol": 1e-9 * (high - low)},
     )
-    return float(s * max(s * u[at], -found.fun))
+    return float(s * max(s * piece.u[at], -found.fun))
 
 
 def _sample(problem: _Problem, pieces: list[tuple[float, Any]], times: Floats) -> Samples:
