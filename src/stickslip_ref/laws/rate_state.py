@@ -10,7 +10,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from enum import IntEnum
 from types import MappingProxyType
 
 import numpy as np
@@ -22,7 +21,6 @@ from .law import NO_STATE, Floats, FrictionLaw, OwnParameter, State
 _FAR = 20.0
 """Beyond it sinh and cosh are half the exponential to the last digit."""
 
-
 _LEAST = 1e-100
 """Width in velocity [m/s] that is as good as none."""
 
@@ -30,18 +28,11 @@ _PART = 0.2
 """Of it a step may be long: five times as long, some missed an instability by 1e-5 of a cycle."""
 
 
-class Evolution(IntEnum):
-    """How the contacts age: AGING ``1 - |x_dot| theta / D_c``; SLIP ``-r ln r``, r their ratio."""
+_AGING = 1
+"""Of evolution: ``1 - |x_dot| theta / D_c``; else, 2, slip: ``-r ln r``, r their ratio."""
 
-    AGING = 1
-    SLIP = 2
-
-
-class Mass(IntEnum):
-    """What the force beyond the friction does: it accelerates the mass, or drives c x_dot alone."""
-
-    INERTIA = 1
-    RADIATION_DAMPING = 2
+_INERTIA = 1
+"""Of inertia: a force beyond the friction accelerates the mass; else, 2, it drives c x_dot."""
 
 
 class RateState(FrictionLaw):
@@ -91,11 +82,7 @@ class RateState(FrictionLaw):
 
     def slip_friction(self, p: Parameters, speed: float, state: State = NO_STATE) -> float:
         """Return ``N mu`` [N] at a signed velocity [m/s]."""
-        return self.friction(p, _asinh(speed, _logarithm(p, state)))
-
-    def friction(self, p: Parameters, coordinate: float) -> float:
-        """Return ``N mu`` [N] from mu / a."""
-        return float(p.N) * p.own["a"] * coordinate
+        return float(p.N) * p.own["a"] * _asinh(speed, _logarithm(p, state))
 
     def state_start(self, p: Parameters) -> State:
         """Return ln theta at the start."""
@@ -108,7 +95,7 @@ class RateState(FrictionLaw):
     def rates(self, p: Parameters, speed: float, state: State) -> State:
         """Return the rate of ln theta [1/s] at a signed velocity [m/s]."""
         size = abs(speed) / p.own["D_c"]
-        if p.own["evolution"] == Evolution.AGING:
+        if p.own["evolution"] == _AGING:
             return (_exp(-state[0]) - size,)
         return (-size * (math.log(size) + state[0]) if size > 0.0 else 0.0,)
 
@@ -121,7 +108,7 @@ class RateState(FrictionLaw):
 
     def velocity_from(self, p: Parameters, z: float, x_dot: float, state: State) -> float:
         """Return the velocity [m/s]; without a mass the one that balances the forces."""
-        if p.own["inertia"] == Mass.INERTIA:
+        if p.own["inertia"] == _INERTIA:
             return x_dot
         return balance(p, float(p.k) * z + float(p.F_ext), state)
 
@@ -146,7 +133,7 @@ class RateState(FrictionLaw):
         (aging,) = self.rates(p, x_dot, state)
         slowing = -p.own["b"] / p.own["a"] * aging
         width = _cosh(coordinate, _logarithm(p, state))
-        if p.own["inertia"] == Mass.INERTIA:
+        if p.own["inertia"] == _INERTIA:
             return x_ddot / width - math.tanh(coordinate) * slowing
         # The balance of forces, differentiated: k (v - x_dot) = N mu' + c x_ddot.
         drag = float(p.c)
@@ -165,7 +152,7 @@ class RateState(FrictionLaw):
         width = _cosh(q, _logarithm(p, state))
         whole_by_s = by_u * u * L_s + by_s
         aging_by_q, slowing = by_u * width, L_s * aging
-        if own["inertia"] == Mass.INERTIA:
+        if own["inertia"] == _INERTIA:
             net, tanh = force - resistance * q - c * u, math.tanh(q)
             by_force = 1.0 / (m * width)
             by_q = -(resistance / width + c + net * tanh / width) / m
@@ -184,7 +171,7 @@ class RateState(FrictionLaw):
     def _aging_slopes(self, p: Parameters, speed: float, state: State) -> tuple[float, float]:
         """Return the derivatives of `rates` by the velocity and by ln theta."""
         s, size = float(np.sign(speed)) / p.own["D_c"], abs(speed) / p.own["D_c"]
-        if p.own["evolution"] == Evolution.AGING:
+        if p.own["evolution"] == _AGING:
             return -s, -_exp(-state[0])
         return (-s * (math.log(size) + state[0] + 1.0), -size) if size > 0.0 else (0.0, 0.0)
 
@@ -192,11 +179,9 @@ class RateState(FrictionLaw):
         """Return the velocity of contacts that renew in 1/w, and where sliding turns stable."""
         own, N, k, m, c = p.own, float(p.N), float(p.k), float(p.m), float(p.c)
         falls = (own["b"] - own["a"]) * N
-        if own["inertia"] == Mass.INERTIA:
-            square = (
-                (k * own["D_c"] / falls - 1.0) * own["a"] * N * own["D_c"] / m if falls else 0.0
-            )
-            edge = math.sqrt(max(square, 0.0))
+        if own["inertia"] == _INERTIA:
+            ratio = k * own["D_c"] / falls - 1.0 if falls else 0.0
+            edge = math.sqrt(max(ratio * own["a"] * N * own["D_c"] / m, 0.0))
         else:
             edge = (falls - k * own["D_c"]) / c if c else 0.0
         return tuple(u for u in (own["D_c"] * float(p.w), edge) if u > 0.0)

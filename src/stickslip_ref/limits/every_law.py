@@ -15,7 +15,7 @@ from ..parameters import Parameters
 from ..ranges import CriticalVelocity, Interval
 from ..trajectory import MeasuredCycle
 from .memory import cycle_ranges as memory_ranges
-from .memory import limit_cycle, measured
+from .memory import limit_cycle
 from .memoryless import GRAZING, NONE, cycle_ranges
 from .sliding import unstable_ranges
 
@@ -122,7 +122,7 @@ def memory_cycle(
     found = limit_cycle(replace(p, v=abs(float(p.v)), F_ext=0.0).with_own(p.own), law)
     if found is None:
         return None
-    cycle, s = measured(p, found), math.copysign(1.0, float(p.v))
+    cycle, s = found.cycle, math.copysign(1.0, float(p.v))
     signed = ("delta_x", "spring_drop", "x_dot_peak")
     return replace(cycle, **{name: s * abs(getattr(cycle, name)) for name in signed})
 

@@ -50,34 +50,14 @@ _NARROW = 1e-2
 
 
 class Round(NamedTuple):
-    """The motion from a maximum of the spring at (z [m], state) to the next one at (z_end, ...)."""
+    """A cycle, or what may become one, from a maximum of the spring to that at x (z [m], state).
 
-    z_end: float
-    state_end: State
-    t_slip: float
-    t_stick: float
-    relief: float
-    peak: float
-    least: float
-
-
-def sliding_jacobian(p: Parameters, law: FrictionLaw) -> Floats:
-    """Return the Jacobian of (z, coordinate, own state) in sliding at ``p.v`` [m/s], not 0.
-
-    Without inertia the balance of forces gives z, and the first row and column are not there.
+    ``least`` is the velocity farthest behind the pull [m/s].
     """
-    v, state = float(p.v), law.steady_state(p, float(p.v))
-    force = law.slip_friction(p, v, state) + float(p.c) * v
-    inner = law.jacobian(p, force, law.coordinate(p, v, state), state)
-    if inner is None:
-        raise ValueError(f"{type(law).__name__} does not say its derivatives")
-    if not inner[1, 0]:
-        return inner[1:, 1:]
-    result = np.zeros((len(state) + 2, len(state) + 2))
-    result[0, 1:] = -inner[0, 1:]
-    result[1:, 0] = float(p.k) * inner[1:, 0]
-    result[1:, 1:] = inner[1:, 1:]
-    return result
+
+    x: Floats
+    cycle: MeasuredCycle
+    least: float
 
 
 def stability(p: Parameters, law: FrictionLaw, v: float) -> float:
@@ -86,12 +66,19 @@ def stability(p: Parameters, law: FrictionLaw, v: float) -> float:
     Of ``l^2 + a_1 l + a_0`` that is a_1, of ``l^3 + a_2 l^2 + a_1 l + a_0`` it is a_2 a_1 - a_0,
     all a being positive else.
     """
-    A = sliding_jacobian(replace(p, v=v).with_own(p.own), law)
-    if len(A) == 2:
-        return float(-np.trace(A))
+    state = law.steady_state(p, v)
+    force = law.slip_friction(p, v, state) + float(p.c) * v
+    p = replace(p, v=v).with_own(p.own)
+    inner = law.jacobian(p, force, law.coordinate(p, v, state), state)
+    if inner is None:
+        raise ValueError(f"{type(law).__name__} does not say its derivatives")
+    (by_force, a, b), (_, c, d) = inner[1:]
+    if not by_force:
+        # Without inertia the balance of forces gives z.
+        return float(-(a + d))
     # Multiplied out: what is left of neutral sliding is 0, and no rounding of a_2 a_1.
-    inner = (A[1, 1] + A[2, 2]) * (A[1, 2] * A[2, 1] - A[1, 1] * A[2, 2])
-    return float(inner + A[1, 0] * (A[0, 1] * A[1, 1] + A[0, 2] * A[2, 1]))
+    turned = float(p.k) * by_force * (inner[0, 1] * a + inner[0, 2] * c)
+    return float((a + d) * (b * c - a * d) - turned)
 
 
 def limit_cycle(
@@ -125,9 +112,9 @@ def limit_cycle(
     slopes, step = -np.eye(x[free].size), np.zeros(x[free].size)
     for _ in range(accuracy.rounds):
         here = _around(p, law, x, accuracy.rtol)
-        if here is None or here.relief < _FLAT * length:
+        if here is None or here.cycle.spring_drop < _FLAT * length:
             return None
-        off = ((_end(here) - x) / sizes)[free]
+        off = ((here.x - x) / sizes)[free]
         if np.max(np.abs(off)) < accuracy.change:
             return here
         if np.any(step):
@@ -136,10 +123,6 @@ def limit_cycle(
         x = x.copy()
         x[free] += step * sizes[free]
     return None
-
-
-def _end(found: Round) -> Floats:
-    return np.array([found.z_end, *found.state_end])
 
 
 def _half(
@@ -165,15 +148,17 @@ def _around(p: Parameters, law: FrictionLaw, x: Floats, rtol: float) -> Round | 
     stick = _half(p, law, slip[1], v, slip[2], False, rtol) if slip else None
     if slip is None or stick is None:
         return None
-    return Round(
-        z_end=stick[1],
-        state_end=stick[2],
-        t_slip=slip[0].duration,
-        t_stick=stick[0].duration,
-        relief=z - slip[1],
-        peak=slip[0].x_dot_peak,
-        least=stick[0].x_dot_peak,
+    t_slip, t_stick, relief = slip[0].duration, stick[0].duration, z - slip[1]
+    cycle = MeasuredCycle(
+        t_break_away=0.0,
+        t_stick=t_stick,
+        t_slip=t_slip,
+        T=t_slip + t_stick,
+        delta_x=v * t_slip + relief,
+        spring_drop=relief,
+        x_dot_peak=slip[0].x_dot_peak,
     )
+    return Round(np.array([stick[1], *stick[2]]), cycle, stick[0].x_dot_peak)
 
 
 def _from_rest(p: Parameters, law: FrictionLaw, rtol: float) -> Floats | None:
@@ -183,22 +168,8 @@ def _from_rest(p: Parameters, law: FrictionLaw, rtol: float) -> Floats | None:
     x = None if first is None else np.array([first[1], *first[2]])
     for _ in range(_ROUNDS):
         found = None if x is None else _around(p, law, x, rtol)
-        x = None if found is None else _end(found)
+        x = None if found is None else found.x
     return x
-
-
-def measured(p: Parameters, found: Round) -> MeasuredCycle:
-    """Return a cycle as the meter reads it, its break-away at the time 0."""
-    T = found.t_slip + found.t_stick
-    return MeasuredCycle(
-        t_break_away=0.0,
-        t_stick=found.t_stick,
-        t_slip=found.t_slip,
-        T=T,
-        delta_x=abs(float(p.v)) * found.t_slip + found.relief,
-        spring_drop=found.relief,
-        x_dot_peak=found.peak,
-    )
 
 
 def cycle_ranges(
@@ -223,14 +194,14 @@ def _followed(
 ) -> tuple[float, str]:
     """Follow a cycle that sticks from v to the velocity ``last``; return where it ends, and how."""
     step, kind, follows = math.copysign(math.log(2.0), last - v), NONE, False
-    x, slope = _end(seed), np.zeros(len(seed.state_end) + 1)
+    x, slope = seed.x, np.zeros_like(seed.x)
     while abs(step) > _NARROW and v != last:
         ahead = v * math.exp(step)
         ahead = last if (ahead - last) * step >= 0.0 else ahead
         guess = x + slope * (ahead - v)
         found = limit_cycle(replace(p, v=ahead).with_own(p.own), law, guess, ROUGH)
         if found is not None and found.least <= STUCK * ahead:
-            v, x, slope = ahead, _end(found), (_end(found) - x) / (ahead - v)
+            v, x, slope = ahead, found.x, (found.x - x) / (ahead - v)
             # The first one after an end or a miss may be luck.
             step, follows = 2.0 * step if follows else step, True
         else:

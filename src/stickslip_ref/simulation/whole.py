@@ -7,6 +7,7 @@ motion ends where the mass is as fast as the pull: there the spring is at its ma
 
 from __future__ import annotations
 
+import math
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -169,7 +170,7 @@ def integrate_whole(
         If the integration fails; the message gives SciPy's reason.
     """
     problem = _Problem(p, law, z, x_dot, state, rtol)
-    s = -1.0 if problem.v < 0.0 else 1.0
+    outward = math.copysign(1.0, float(p.v) or 1.0) * (1.0 if falls else -1.0)
     pieces: list[tuple[float, Any]] = []
     now, y, peak, swing = 0.0, problem.start, x_dot, 0.0
     still, ended, stalls = False, False, 0
@@ -177,7 +178,7 @@ def integrate_whole(
     while now < duration and not ended:
         side = float(np.sign(y[1]) or np.sign(problem.rates(0.0, y)[1]) or np.sign(problem.v))
         still = still or side == 0.0
-        piece = _solve(problem, y, duration - now, s, falls, settled, side, still)
+        piece = _solve(problem, y, duration - now, outward, settled, side, still)
         stalls += piece.end is None
         if len(piece.t) < 2 or len(pieces) > MOST_PIECES or stalls > MOST_STALLS:
             raise RuntimeError(
@@ -187,7 +188,6 @@ def integrate_whole(
         pieces.append((now, piece.sol))
         swing = max(swing, float(np.max(np.abs(piece.u - problem.v))))
         still = bool(np.max(np.abs(piece.u)) <= problem.swing)
-        outward = s if falls else -s
         peak = outward * max(outward * peak, outward * _peak(problem, piece, outward))
         y, ended = piece.y.copy(), piece.end == _EXTREME
         now = duration if piece.end == _TIME else now + piece.t[-1]
@@ -223,23 +223,25 @@ def _solve(
     problem: _Problem,
     y: Floats,
     duration: float,
-    s: float,
-    falls: bool,
+    outward: float,
     settled: bool,
     side: float,
     still: bool,
 ) -> _Piece:
     """Integrate until the spring is at an extreme, the velocity at 0, or for a time.
 
-    ``side`` is the sign of the velocity. ``still`` says that it has not left 0, ``settled`` that it
-    has not left the pull: then the end is where it does. A solution that gets no further, because
-    its steps are lost beside the time, may go on from there at time 0.
+    ``outward`` is the sign of the velocity beyond the pull, ``side`` that of the velocity.
+    ``still`` says that it has not left 0, ``settled`` that it has not left the pull: then the end
+    is where it does. A solution that gets no further, because its steps are lost beside the time,
+    may go on from there at time 0.
     """
-    start, ahead, way = y, s if falls else -s, 1.0 if problem.creeps else -1.0
+    start, way = y, 1.0 if problem.creeps else -1.0
+    step: Any = None
     longest = problem.law.longest_step(problem.p)
 
-    def marks(t: float, y: Floats, u: float) -> tuple[float, ...]:
+    def marks(t: float, y: Floats) -> tuple[float, ...]:
         """Return what is < 0 up to an extreme, a corner, a change of the pace."""
+        u = problem.velocity(y)
         if t == 0.0:
             return -1.0, -1.0, -1.0
         off = u - problem.v
@@ -250,10 +252,13 @@ def _solve(
             )
         slack = 2.0 * problem.swing
         return (
-            abs(off) - slack if settled else -ahead * off,
+            abs(off) - slack if settled else -outward * off,
             abs(u) - slack if still else -side * float(y[1]),
             way * (abs(u) - CREEPS * abs(problem.v)) if longest < np.inf else -1.0,
         )
+
+    def mark(t: float, number: int) -> float:
+        return marks(t, step(t))[number]
 
     rtol = max(problem.asked, TOLERANCES[problem.method])
     atol = rtol * problem.sizes
@@ -280,9 +285,9 @@ def _solve(
             break
         step, last, y = solver.dense_output(), solver.t, solver.y
         ends = [
-            (float(brentq(_mark, solver.t_old, last, (marks, step, problem, n), _EPS, _EPS)), n)
-            for n, mark in enumerate(marks(last, y, problem.velocity(y)))
-            if mark >= 0.0
+            (float(brentq(mark, solver.t_old, last, (n,), _EPS, _EPS)), n)
+            for n, value in enumerate(marks(last, y))
+            if value >= 0.0
         ]
         if ends:
             last, end = min(ends)
@@ -294,14 +299,9 @@ def _solve(
         steps.append(step)
     if end is None and problem.method == "LSODA":
         problem.method = "Radau"
-        return _solve(problem, start, duration, s, falls, settled, side, still)
+        return _solve(problem, start, duration, outward, settled, side, still)
     sol = OdeSolution(t, steps, alt_segment=problem.method == "LSODA") if steps else None
     return _Piece(t, np.array(u), y, sol, end, message)
-
-
-def _mark(t: float, marks: Any, step: Any, problem: _Problem, number: int) -> float:
-    y = step(t)
-    return float(marks(t, y, problem.velocity(y))[number])
 
 
 def _peak(problem: _Problem, piece: _Piece, s: float) -> float:

@@ -1,5 +1,6 @@
 """The contract of a friction law in the truth."""
 
+from bisect import bisect_right
 from collections.abc import Callable, Mapping, Sequence
 from typing import Protocol
 
@@ -134,8 +135,14 @@ class FrictionLaw:
         return n.F_s
 
     def kinetic(self, n: Numbers, speed: Series, state: Sequence[Series]) -> Series:
-        """Return the dry friction [N] on a mass that slips at ``speed`` [m/s]."""
-        raise NotImplementedError(f"{type(self).__name__} does not say its friction in slip")
+        """Return the dry friction [N] on a mass that slips at ``speed`` [m/s].
+
+        By default that of the band that the value of the speed is in.
+        """
+        if type(self).kinetic_between is FrictionLaw.kinetic_between:
+            raise NotImplementedError(f"{type(self).__name__} does not say its friction in slip")
+        band = bisect_right(self.knots(speed.context, n), speed.term(0))
+        return self.kinetic_between(n, band, speed, state)
 
     def knots(self, context: Context, n: Numbers) -> Sequence[Number]:
         """Return the rising speeds > 0 [m/s] of the corners of the friction; none by default."""

@@ -47,12 +47,6 @@ class LuGre(FrictionLaw):
         limits = _limits(context, n)
         return [*(-u for u in reversed(limits)), context.zero, *limits]
 
-    def kinetic(self, n: Numbers, speed: Series, state: Sequence[Series]) -> Series:
-        """Return the friction [N] at the value of the speed."""
-        knots = self.knots(speed.context, n)
-        band = sum(speed.term(0) > knot for knot in knots)
-        return self.kinetic_between(n, band, speed, state)
-
     def kinetic_between(
         self, n: Numbers, band: int, speed: Series, state: Sequence[Series]
     ) -> Series:

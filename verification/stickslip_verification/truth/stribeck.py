@@ -8,7 +8,6 @@ coefficient of all three:
 3. Curve: straight between the measured points (0, mu_1), (u_2, mu_2) ... (u_n, mu_n), mu_n beyond
 """
 
-from bisect import bisect_right
 from collections.abc import Mapping, Sequence
 from enum import IntEnum
 
@@ -112,11 +111,6 @@ class Stribeck(FrictionLaw):
         if _shape(n) is not Shape.STRIBECK or delta == int(delta) or n.gap == 0:
             return None
         return NearRest(n.own["v_s"], delta, n.gap)
-
-    def kinetic(self, n: Numbers, speed: Series, state: Sequence[Series]) -> Series:
-        """Return N mu(speed) [N]; for a curve by the speed's value."""
-        band = bisect_right(self.knots(speed.context, n), speed.term(0))
-        return self.kinetic_between(n, band, speed, state)
 
     def kinetic_between(
         self, n: Numbers, band: int, speed: Series, state: Sequence[Series]

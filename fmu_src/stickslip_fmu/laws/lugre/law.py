@@ -1,8 +1,6 @@
 """LuGre friction as the FMU shows it: docs/theory.md (34). Its motion is in C alone."""
 
-from typing import Tuple
-
-from fmi.table import ABOVE_ZERO, Quantity, Variable
+from fmi.table import ABOVE_ZERO, Quantity
 
 from ...interface import FIRST_OWN, Own, calculated, parameter
 from ..coulomb.law import COULOMB
@@ -13,13 +11,7 @@ _BRISTLE = Quantity("Deflection", "Real", "Length", "m", 1e-6)
 _STEADY = Quantity("BristleStiffness", "Real", "TranslationalSpringConstant", "N/m", 1e5)
 _SLOW = Quantity("SlowVelocity", "Real", "Velocity", "m/s", 1e-3, "mm/s")
 _FALLS = "Speed at which sigma_1 has fallen to 1/e, sigma_1 exp(-(x_dot/v_d)^2); 0 for constant"
-
-
-def _shared() -> Tuple[Variable, ...]:
-    """Return the rows that the law has in common with Coulomb's."""
-    return tuple(row for row in COULOMB.interface.rows if row.name in ("mu_s", "mu_k", "mu_k_used"))
-
-
+_SHARED = tuple(row for row in COULOMB.interface.rows if row.name in ("mu_s", "mu_k", "mu_k_used"))
 _ROWS = (
     parameter(FIRST_OWN, "sigma_0", _STEADY, "fixed", 1e5, "Stiffness of the bristles", ABOVE_ZERO),
     parameter(FIRST_OWN + 1, "sigma_1", "Damping", "fixed", 300.0, "Damping of the bristles", 0.0),
@@ -51,7 +43,7 @@ LUGRE = NativeOnly(
             "slide. c is its viscous part sigma_2. A slip is a fall of the spring, between a "
             "maximum and a minimum. Results do not depend on the communication step."
         ),
-        rows=(*_shared(), *_ROWS),
+        rows=(*_SHARED, *_ROWS),
         at_rest=("mu_s",),
         in_slip=("mu_k", *(row.name for row in _ROWS[:7])),
     )

@@ -27,6 +27,8 @@ _INERTIA = Quantity(
 )
 _MU = "FrictionCoefficient"
 _LOAD = "By how much a change of the normal force changes theta (Linker and Dieterich)"
+_BALANCE = ("mu_0", "a", "b", "D_c", "V_0", "inertia", "theta_start")
+_OF_MU = ("m", "g", "k", "c", *_BALANCE, "x_dot_start", "z_start", "load", "F_ext")
 _ROWS = (
     parameter(4, "mu_0", _MU, "fixed", 0.6, "Steady friction coefficient at the speed V_0", 0.0),
     parameter(5, "a", _EFFECT, "fixed", 0.01, "Direct effect of the speed", ABOVE_ZERO),
@@ -39,9 +41,8 @@ _ROWS = (
     parameter(FIRST_OWN + 5, "theta_start", _AGE, "fixed", 10.0, "Initial state", ABOVE_ZERO),
     v_stick(FIRST_OWN + 6),
     calculated(FIRST_OWN + 7, "theta", _AGE, "State", ("theta_start",), minimum=0.0),
-    calculated(FIRST_OWN + 8, "mu", _MU, "Friction coefficient", ()),
+    calculated(FIRST_OWN + 8, "mu", _MU, "Friction coefficient", _OF_MU),
 )
-_BALANCE = ("mu_0", "a", "b", "D_c", "V_0", "inertia", "theta_start")
 
 RATE_STATE = NativeOnly(
     Own(
@@ -51,12 +52,7 @@ RATE_STATE = NativeOnly(
             "inertia or radiation damping c. A slip is a fall of the spring, between a maximum and "
             "a minimum. Results do not depend on the communication step."
         ),
-        rows=(
-            *_ROWS[:-1],
-            _ROWS[-1]._replace(
-                depends=("m", "g", "k", "c", *_BALANCE, "x_dot_start", "z_start", "load", "F_ext")
-            ),
-        ),
+        rows=_ROWS,
         at_rest=("mu_0",),
         in_slip=_BALANCE[1:],
         break_away="Steady friction mu_0 N at the speed V_0",
