@@ -13,15 +13,15 @@ from scipy.linalg import expm
 from scipy.optimize import brentq
 
 from stickslip_design.axis import Axis, Filter, axis_file_of, example
-from stickslip_design.loop.system import TABLE, Mode, System
-from stickslip_design.reversal.circle import ANGLES, POINTS, Circle, measured, paths, reversal_value
-from stickslip_design.reversal.follower import (
+from stickslip_design.loop.follower import (
     ROLLING,
     SLIDING,
     Follower,
     assumed,
     presliding,
 )
+from stickslip_design.loop.system import TABLE, Mode, System
+from stickslip_design.reversal.circle import ANGLES, POINTS, Circle, measured, paths, reversal_value
 
 FEED, RADIUS = 1.0 / 60.0, 0.05
 AXIS = axis_file_of(example()).axis()
@@ -402,7 +402,7 @@ def test_the_equations_written_out_and_solved_by_radau_give_the_same_course() ->
 
 
 def test_an_axis_that_judders_without_end_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("stickslip_design.reversal.follower._MOST", 1000)
+    monkeypatch.setattr("stickslip_design.loop.follower._MOST", 1000)
     with pytest.raises(RuntimeError, match="judders on and on"):
         run(AXIS)
 

@@ -195,7 +195,7 @@ def studied(monkeypatch: pytest.MonkeyPatch) -> None:
         replace(one, name="lighter", held="", then=None, note="not by a factor of 30"),
     )
     verdict = replace(verdicts.rigid(), cures=cures)
-    monkeypatch.setattr("stickslip_design.study.design", lambda axis: verdict)
+    monkeypatch.setattr("stickslip_design.study.design", lambda _, **named: verdict)
 
 
 @pytest.mark.usefixtures("studied")

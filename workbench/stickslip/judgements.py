@@ -257,13 +257,15 @@ class Design(Shown):
         return Path(file)
 
 
-def design(axis: AxisSource | Axis) -> Design:
+def design(axis: AxisSource | Axis, *, presliding: bool = False) -> Design:
     """Return whether a feed axis judders, and what is measured against it.
 
     Parameters
     ----------
     axis
         The axis file, what it says as a dictionary of its tables, docs/axis-file.md; or an axis.
+    presliding
+        Whether to say what presliding makes of it, too: some seconds more.
 
     Raises
     ------
@@ -273,7 +275,8 @@ def design(axis: AxisSource | Axis) -> Design:
     from stickslip_design.axis import Axis, read_axis_file
     from stickslip_design.study import design as designed
 
-    return Design(designed(axis if isinstance(axis, Axis) else read_axis_file(axis)))
+    source = axis if isinstance(axis, Axis) else read_axis_file(axis)
+    return Design(designed(source, presliding=presliding))
 
 
 @dataclass(frozen=True, repr=False)

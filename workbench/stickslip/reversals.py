@@ -13,8 +13,8 @@ from stickslip.parameters import ParameterError, above_zero, quantity
 from stickslip.results import Shown
 from stickslip.show.tables import Fitted, grid
 from stickslip_design.axis import Assumed, AxisSource, read_axis_file
+from stickslip_design.loop.follower import Follower, Matrix, assumed
 from stickslip_design.reversal import circle, plots
-from stickslip_design.reversal.follower import Follower, Matrix, assumed
 from stickslip_units import EXACT, number, shown_in
 
 if TYPE_CHECKING:

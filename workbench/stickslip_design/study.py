@@ -22,6 +22,7 @@ from .loop.critical import (
     simplified_critical_feed,
 )
 from .loop.jumps import Limit
+from .loop.presliding import with_presliding
 from .loop.rest import limit_from_rest
 from .loop.stability import Response, gain_limits, is_stable, open_loop, swing
 from .measures.judged import Found, hunting_of, measures
@@ -52,11 +53,12 @@ _PERIODS: Final = 8.0
 
 
 @one_thread
-def design(axis: Axis | AxisFile) -> Verdict:
+def design(axis: Axis | AxisFile, *, presliding: bool = False) -> Verdict:
     """Return whether an axis judders at the feeds that are asked of it, and what cures it.
 
     Without feeds only its limits are found. Only a file has the ± that make a range of the critical
-    feed. Of an unstable loop the limits and cures are left out: infinite, and empty.
+    feed. Of an unstable loop the limits and cures are left out: infinite, and empty. What
+    `presliding` makes of the answer takes some seconds more, and is asked for.
     """
     file = axis if isinstance(axis, AxisFile) else None
     axis = axis.axis() if isinstance(axis, AxisFile) else axis
@@ -71,6 +73,10 @@ def design(axis: Axis | AxisFile) -> Verdict:
     found, left_out = measures(series, points, critical, rest) if stable else ((), {})
     before, after = _motions(axis, judder(points), found)
     offered = tuple(each.measure for each in found)
+    said = {point.feed: point.judders for point in points}
+    yields = with_presliding(axis, said, rest) if presliding and stable else None
+    # Presliding is the second.
+    left = _UNANSWERED[:: 2 if yields and not yields.refused else 1]
     return Verdict(
         axis=axis,
         stable=stable,
@@ -97,7 +103,8 @@ def design(axis: Axis | AxisFile) -> Verdict:
         before=before,
         after=after,
         sentence=in_words(axis, limits, points, offered, stable=stable),
-        unanswered=(*_UNANSWERED, _OF_LOOP) if loop else _UNANSWERED,
+        unanswered=(*left, _OF_LOOP) if loop else left,
+        presliding=yields,
     )
 
 

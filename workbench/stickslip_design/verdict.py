@@ -16,6 +16,7 @@ from stickslip_units import EXACT, number, shown_in, told, turning
 
 from .axis import Axis
 from .loop.critical import Record
+from .loop.presliding import Presliding
 from .loop.rest import Hunting
 from .loop.stability import GainLimits, Response, Swing, gain_limits
 
@@ -215,6 +216,8 @@ class Verdict:
     """The answer in words."""
     unanswered: tuple[str, ...]
     """What the answer leaves out, a sentence each."""
+    presliding: Presliding | None = None
+    """What presliding makes of it; None where that was not asked."""
 
     @property
     def best(self) -> AxisMeasure | None:

@@ -15,6 +15,7 @@ def design(
     compare: bool = False,
     output: Path | None = None,
     json: Path | None = None,
+    presliding: bool = False,
     template: bool = False,
     kind: str = "",
     example: bool = False,
@@ -22,6 +23,8 @@ def design(
     """Say whether a feed axis judders, and what cures it: a summary, and a report to print."""
     if kind and not template:
         raise CommandError("--kind goes with --template: the file of an axis states its own")
+    if presliding and (compare or template or example):
+        raise CommandError("--presliding goes with one axis that is judged")
     if others and not compare:
         raise CommandError(f"{others[0]}: one axis has a report; --compare sets several in a table")
     if compare and (output is not None or template or example):
@@ -62,7 +65,9 @@ def design(
     if json is not None and not compare and report.resolve() == json.resolve():
         raise CommandError(f"--json {json}: the report goes there; name another file")
     with meter(f"Studying the {'axes' if compare else 'axis'}"):
-        found = judgements.compare(axes) if compare else judgements.design(axis)
+        found = (
+            judgements.compare(axes) if compare else judgements.design(axis, presliding=presliding)
+        )
         texts = {report: found.html()} if isinstance(found, judgements.Design) else {}
         texts |= {} if json is None else {json: found.to_json() + "\n"}
     for target, text in texts.items():

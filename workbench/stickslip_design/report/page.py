@@ -18,6 +18,7 @@ from stickslip_verification.report.files import environment, text_of
 from stickslip_verification.report.svg import STYLE, as_part
 
 from ..axis.keys import KEYS, TURNING
+from ..loop.presliding import AtFeed
 from ..loop.stability import Swing
 from ..verdict import OperatingPoint, Verdict, in_its_units
 from . import plots, tables
@@ -82,7 +83,8 @@ UNITS: Final = {
             "m/s": "feed speed low high critical_feed critical_range rigid_critical_feed "
             "estimated_critical_feed simplified_critical_feed",
             "m/s; of a regime the motion that a start from rest reaches": "from_rest",
-            "m": "jump simplified_jump ahead hunts",
+            "m": "jump simplified_jump ahead hunts way turns_at",
+            "1/s": "growth",
             "s": "settling period delay_margin time",
             "Hz": "frequency simplified_frequency gain_margin_at phase_margin_at",
             "rad/s": "w",
@@ -103,6 +105,7 @@ UNITS: Final = {
 
 _SHOWN: Final[dict[type, tuple[str, ...]]] = {
     Swing: ("frequency",),
+    AtFeed: ("judders",),
     OperatingPoint: ("feed", "jumps", "judders", "jump", "frequency"),
 }
 """Properties that stand beside the fields of a result."""

@@ -12,7 +12,7 @@ import numpy as np
 
 from stickslip_units import EXACT, number, told
 
-from .follower import Follower, Matrix, Vector
+from ..loop.follower import Follower, Matrix, Vector
 
 POINTS: Final = 72_000
 """Points on a circle: a degree has two hundred."""

@@ -14,8 +14,8 @@ from matplotlib.figure import Figure
 from stickslip_units import EXACT, number, told
 from stickslip_verification.report.svg import BLUE, GREY, INK, ORANGE, STYLE
 
+from ..loop.follower import Matrix
 from .circle import ANGLES, Circle
-from .follower import Matrix
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

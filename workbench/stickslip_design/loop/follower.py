@@ -22,8 +22,8 @@ from stickslip_ref import STRIBECK
 from stickslip_units import EXACT, told
 
 from ..axis import Assumed, Axis, Drive, Filter
-from ..loop.stability import is_stable
 from ..one_thread import one_thread
+from .stability import is_stable
 
 Vector = NDArray[np.float64]
 Matrix = NDArray[np.float64]
@@ -36,7 +36,7 @@ SLIDING: Final = 2e-6
 """Presliding of a sliding way [m]: an estimate, as such ways yield by some um."""
 _ROLLS: Final = 0.01
 """Kinetic coefficient up to which a way is taken to roll, as by the catalogue of measures."""
-_V_S: Final = 1e-3
+FALL: Final = 1e-3
 """Speed over which friction falls where two coefficients are all that is stated [m/s]."""
 _LEAST: Final = 1e-3
 """Least dry friction, over the break-away force: the law divides by it."""
@@ -77,6 +77,8 @@ class Contact(NamedTuple):
 class Follower:
     """A table that follows its command; ValueError if its loop is unstable.
 
+    Two coefficients without a speed fall over `v_s` [m/s].
+
     Attributes
     ----------
     rates
@@ -90,9 +92,9 @@ class Follower:
         Rate of the slowest motion without dry friction [1/s].
     """
 
-    def __init__(self, axis: Axis) -> None:
+    def __init__(self, axis: Axis, v_s: float = FALL) -> None:
         self.rates, self.table = _rigid(axis) if axis.drive is None else _servo(axis, axis.drive)
-        self.contacts = tuple(_contacts(axis, self.table + 1))
+        self.contacts = tuple(_contacts(axis, self.table + 1, v_s))
         self.size = len(self.rates)
         roots = np.linalg.eigvals(self.rates[:, : self.size])
         self.decay = -float(roots.real.max())
@@ -100,15 +102,44 @@ class Follower:
         if self.decay < -1e-9 * float(np.abs(roots).max()) or not is_stable(axis):
             raise ValueError(f"{axis.name}: its loop is unstable; stickslip design says more of it")
 
-    @one_thread
     def follow(
         self, speed: Over, acceleration: Over, knots: Sequence[float], at: Vector, forward: float
     ) -> Vector:
         """Return the table's deviation from the command [m] at some times [s].
 
+        The command is that of `states`. It begins in even motion. A force of `forward` [N] is fed
+        forward in its direction.
+        """
+        start = self.even(speed(knots[0]), forward)
+        return self.states(start, speed, acceleration, knots, at, forward)[:, self.table]
+
+    def even(self, v_c: float, forward: float = 0.0, held: bool = False) -> Vector:
+        """Return the state in even motion at a speed of the command [m/s], a force fed forward [N].
+
+        Or with the table `held` back: at rest, its contact at the break-away force, all else even.
+        """
+        y = np.zeros(self.size + len(self.contacts))
+        even = self.rates[:, self.size] * v_c
+        even += self.rates[:, self.size + 2] * math.copysign(forward, v_c)
+        for place, contact in enumerate(self.contacts, self.size):
+            at_rest = held and contact.speed == self.table + 1
+            force = math.copysign(contact.slip(0.0 if at_rest else abs(v_c)), v_c)
+            y[place] = force / contact.sigma_0
+            even[contact.speed] -= force / contact.mass
+        y[: self.size] = np.linalg.solve(self.rates[:, : self.size], -even)
+        y[self.table + 1] -= v_c * held
+        return y
+
+    @one_thread
+    def states(
+        self, start: Vector, speed: Over, acceleration: Over, knots: Sequence[float], at: Vector,
+        forward: float = 0.0,
+    ) -> Matrix:  # fmt: skip
+        """Return the states at some times [s]: a row for each, the bristles [m] behind the others.
+
         The command has a speed [m/s] and an acceleration [m/s2] over the time [s], smooth between
-        its knots: start, turns and corners, end [s]. It begins in even motion. A force of `forward`
-        [N] is fed forward in its direction. RuntimeError if it cannot be followed to its end.
+        its knots: start, turns and corners, end [s]. RuntimeError if it cannot be followed to its
+        end.
         """
         size, inputs, left = self.size, np.zeros(self.size + 3), _MOST
         contacts = tuple(enumerate(self.contacts, size))
@@ -126,13 +157,7 @@ class Follower:
                 result[contact.speed] -= force / contact.mass
             return result
 
-        y, v_c = np.zeros(size + len(contacts)), speed(knots[0])
-        even = self.rates[:, size] * v_c + self.rates[:, size + 2] * math.copysign(forward, v_c)
-        for place, contact in contacts:
-            y[place] = math.copysign(contact.slip(abs(v_c)), v_c) / contact.sigma_0
-            even[contact.speed] -= contact.sigma_0 * y[place] / contact.mass
-        y[:size] = np.linalg.solve(self.rates[:, :size], -even)
-        scale = np.full(y.size, _ATOL)
+        y, scale = start, np.full(start.size, _ATOL)
         scale[1 : self.table + 2 : 2] *= _PER_SECOND
         scale[self.table + 2 : size] *= _PER_METRE
         # Backward differences of higher order swing by themselves where a servo hardly damps.
@@ -147,7 +172,7 @@ class Follower:
             if "success" not in how["message"]:
                 raise RuntimeError(f"the motion of the axis cannot be followed: {how['message']}")
             y = rows[-1]
-            found.append(rows[1:-1, self.table])
+            found.append(rows[1:-1])
         return np.concatenate(found)
 
 
@@ -195,11 +220,11 @@ def _servo(axis: Axis, drive: Drive) -> tuple[Matrix, int]:
     return rates, 2
 
 
-def _contacts(axis: Axis, speed: int) -> Iterator[Contact]:
+def _contacts(axis: Axis, speed: int, v_s: float) -> Iterator[Contact]:
     """Yield the dry friction of the table, whose speed has that place, and of the motor."""
     F_s, dry = axis.F_s, axis.drive.dry if axis.drive else 0.0
     for place, mass, slip, kinetic, stiffness in (
-        (speed, axis.m, _slip(axis), max(axis.F_k, _LEAST * F_s), F_s / presliding(axis)),
+        (speed, axis.m, _slip(axis, v_s), max(axis.F_k, _LEAST * F_s), F_s / presliding(axis)),
         (1, axis.drive.inertia if axis.drive else 1.0, lambda _: dry, dry, dry / ROLLING),
     ):
         if kinetic > 0.0:
@@ -220,13 +245,13 @@ def assumed(axis: Axis) -> Iterator[Assumed]:
         way = told(presliding(axis), "m", EXACT)
         yield Assumed("friction.presliding", way, f"an estimate for a {kind} way")
     if friction.law != "stribeck" and axis.F_s > axis.F_k:
-        yield Assumed("friction.v_s", told(_V_S, "m/s", EXACT), "two coefficients are stated")
+        yield Assumed("friction.v_s", told(FALL, "m/s", EXACT), "two coefficients are stated")
 
 
-def _slip(axis: Axis) -> Over:
+def _slip(axis: Axis, v_s: float) -> Over:
     """Return friction in slip [N] over the speed [m/s]."""
     F_k, fall, least = axis.F_k, axis.F_s - axis.F_k, _LEAST * axis.F_s
     if axis.friction.law == "stribeck":
         p = STRIBECK.complete(axis.block(1.0), axis.friction.own)
         return lambda v: max(STRIBECK.slip_friction(p, v), least)
-    return lambda v: max(F_k + fall * math.exp(-((v / _V_S) ** 2)), least)
+    return lambda v: max(F_k + fall * math.exp(-((v / v_s) ** 2)), least)
