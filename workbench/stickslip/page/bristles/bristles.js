@@ -66,7 +66,7 @@ export function makeBristles(page, table, reader, changed) {
     if (cycle.outcome !== "none") showReversal(numbers.F_s);
   }
 
-  /** @type {(at: number, x: Axis, y: Axis, ...curves: number[][][]) => void} of points [SI] in a frame */
+  /** @type {(at: number, x: Axis, y: Axis, ...curves: number[][][]) => void} points [SI] in a frame */
   function drawIn(at, x, y, ...curves) {
     // It may just have come into sight.
     frames[at].resize();
@@ -112,7 +112,7 @@ export function makeBristles(page, table, reader, changed) {
     const ways = axisOf([0, long], "length", "displacement", 0.04);
     drawIn(2, ways, forceAxis(box, "friction"), box, ...loops);
     const [one, other, bend] = [long, short, F_s / own.sigma_0].map((way) => brief(way, "length"));
-    const words = `Slowly to and fro by ${one} and ${other}. Bristles bend by some Fₛ/σ₀ = ${bend}.`;
+    const words = `Slowly to and fro by ${one} and ${other}. Bristles bend by Fₛ/σ₀ = ${bend}.`;
     setText(byId("bristles-slow-said"), words);
   }
 
@@ -155,16 +155,16 @@ function exactCycle({ p, slip, numbers, cycle, z_s }) {
 /** @type {(p: Setting, own: Bristles, cycle: LugreCycle, exact: object | null) => string} */
 function bristlesInWords(p, own, { outcome, calm, falls }, exact) {
   const v = brief(p.v, "velocity");
-  const several = falls > 1 ? ` The spring falls ${falls} times in it: the largest fall counts.` : "";
+  const several = falls > 1 ? ` The spring falls ${falls} times: the largest fall counts.` : "";
   const also = calm ? " Even sliding is stable, too: the start decides." : "";
   const but = exact ? ", though the exact block has one" : "";
   const words = {
     cycle: `From rest LuGre's block comes to this cycle.${several}${also}`,
     even: `From rest LuGre's block comes to slide evenly at ${v}: it has no cycle${but}.`,
-    creep: `From rest LuGre's block slides evenly at ${v}: swings grow too slowly to be followed, if at all.`,
+    creep: `From rest LuGre's block slides evenly at ${v}: swings grow too slowly, if at all.`,
     unsettled:
-      "LuGre's block repeats no period within the work that this page does: its swings change too " +
-      "slowly or never repeat, or its bristles ring too long, which a larger σ₁ ends.",
+      "LuGre's block repeats no period within the work that this page does: its swings change " +
+      "too slowly or never repeat, or its bristles ring too long, which a larger σ₁ ends.",
     none: "There is no friction: no bristles bend.",
   }[outcome];
   if (outcome === "none" || !givesEnergy(p, own)) return words;

@@ -27,8 +27,6 @@ const STEADY = 1e-8;
 const NOISE = 1e-9;
 /** Falls that differ by less than this part become equal; while bristles ring a cycle has several. */
 const ALIKE = 1e-3;
-const TENDS = 0.03;
-const MOST_TENDING = 40;
 /** Even sliding, if stable, is reached at this part of v; what is unstable is lost at that one. */
 const CALM = 1e-3;
 const TOO_NEAR = 1e-6;
@@ -211,11 +209,8 @@ export function lugreCycle(p, own) {
     }
     if (!turns) continue;
     falls = !falls;
-    if (falls) {
-      const next = tended(tops, y);
-      tops.push({ at: strides.length, t, y: next, drop: 0, moved: next !== y });
-      y = next;
-    } else {
+    if (falls) tops.push({ at: strides.length, t, y, drop: 0 });
+    else {
       const last = tops[tops.length - 1];
       last.drop = last.y[0] - y[0];
       const before = cycleBefore(tops, F_s / k, F_s / sigma_0);
@@ -225,24 +220,8 @@ export function lugreCycle(p, own) {
   return { outcome: "unsettled", calm };
 }
 
-/** @typedef {{at: number, t: number, y: Unknowns, drop: number, moved: boolean}} Top a maximum of the
- *   spring: strides before it, time [s], state, the fall after it [m], and whether `tended` moved it */
-
-/**
- * The state that maxima of the spring tend to, by Aitken, at every fourth of the first ones; else the
- * last state. Only largest falls that are nearly alike tend to something, and no cycle has such a move.
- * @type {(tops: Top[], y: Unknowns) => Unknowns}
- */
-function tended(tops, y) {
-  if (tops.length % 4 !== 3 || tops.length > MOST_TENDING) return y;
-  const [a, b] = tops.slice(-2);
-  const largest = Math.max(...tops.map(({ drop }) => drop));
-  const ratio = (y[0] - b.y[0]) / (b.y[0] - a.y[0]);
-  const alike = Math.abs(a.drop - b.drop) < TENDS * b.drop && b.drop > 0.5 * largest;
-  if (!(alike && Math.abs(ratio) < 0.95)) return y;
-  const part = ratio / (1 - ratio);
-  return [y[0] + part * (y[0] - b.y[0]), y[1], y[2] + part * (y[2] - b.y[2])];
-}
+/** @typedef {{at: number, t: number, y: Unknowns, drop: number}} Top a maximum of the spring: strides
+ *   before it, time [s], state, the fall after it [m] */
 
 /**
  * The maximum of the spring that the last one repeats, both at the largest fall of a cycle.
@@ -251,8 +230,7 @@ function tended(tops, y) {
 function cycleBefore(tops, length, bend) {
   const last = tops[tops.length - 1];
   const near = STEADY * last.drop + NOISE * length;
-  for (let n = tops.length - 1; n && !tops[n].moved; n--) {
-    const top = tops[n - 1];
+  for (const top of tops.slice(0, -1).reverse()) {
     const off = Math.abs(top.drop - last.drop);
     const turned = Math.abs(top.y[2] - last.y[2]);
     if (Math.max(off, Math.abs(top.y[0] - last.y[0])) < near && turned < STEADY * bend) return top;
