@@ -50,7 +50,9 @@ export function makeBristles(page, table, reader, changed) {
 
   function show({ motion }) {
     clearTimeout(waiting);
-    if (byId("bristles-more").open) waiting = setTimeout(() => showMotion(motion), DRAG_STILL);
+    if (!byId("bristles-more").open) return;
+    if (JSON.stringify([motion.p, own]) === key) showMotion(motion);
+    else waiting = setTimeout(() => showMotion(motion), DRAG_STILL);
   }
 
   function showMotion(motion) {
@@ -159,11 +161,11 @@ function bristlesInWords(p, own, { outcome, calm, falls }, exact) {
   const also = calm ? " Even sliding is stable, too: the start decides." : "";
   const but = exact ? ", though the exact block has one" : "";
   const words = {
-    cycle: `From rest LuGre's block comes to this cycle.${several}${also}`,
-    even: `From rest LuGre's block comes to slide evenly at ${v}: it has no cycle${but}.`,
-    creep: `From rest LuGre's block slides evenly at ${v}: swings grow too slowly, if at all.`,
+    cycle: `From rest LuGre’s block comes to this cycle.${several}${also}`,
+    even: `From rest LuGre’s block comes to slide evenly at ${v}: it has no cycle${but}.`,
+    creep: `From rest LuGre’s block slides evenly at ${v}: swings grow too slowly, if at all.`,
     unsettled:
-      "LuGre's block repeats no period within the work that this page does: its swings change " +
+      "LuGre’s block repeats no period within the work that this page does: its swings change " +
       "too slowly or never repeat, or its bristles ring too long, which a larger σ₁ ends.",
     none: "There is no friction: no bristles bend.",
   }[outcome];
