@@ -200,12 +200,8 @@ def fitted_block(record: Record, run: Run) -> Fitted[Block]:
     run = run.from_rest()
     block = Block(run, noise_of(record, run))
     some = replace(block, run=run.at(slice(None, None, -(-run.t.size // _SOME))))
-    starts = [[some.start(motion, at) for at in begins] for motion, begins in _starts(run)]
-    squares = np.array([[_square(some, n) for n in shifted] for shifted in starts])
-    nearest = [
-        starts[motion][int(squares[motion].argmin())]
-        for motion in np.argsort(squares.min(axis=1))[:_BEST].tolist()
-    ]
+    starts = [some.start(motion, at) for motion, at in _starts(run)]
+    nearest = sorted(starts, key=lambda n: _square(some, n))[:_BEST]
     found = [fit(some, n).value for n in nearest]
     return weighed(fit(block, min(found, key=lambda n: _square(some, n))))
 
@@ -214,8 +210,8 @@ def _square(block: Block, n: Floats) -> float:
     return sum(float(r @ r) for r in block.columns(n))
 
 
-def _starts(run: Run) -> Iterator[tuple[Solution, list[float]]]:
-    """Yield solutions of about the period of a run, and their first break-aways [s]."""
+def _starts(run: Run) -> Iterator[tuple[Solution, float]]:
+    """Yield solutions of about the period of a run, and a first break-away [s]."""
     period, v = run.period, run.speed
     if math.isnan(v):
         v = float(np.polyfit(run.t, run.columns["x"], 1)[0]) if "x" in run.columns else 1.0
@@ -225,4 +221,4 @@ def _starts(run: Run) -> Iterator[tuple[Solution, list[float]]]:
         s = Solution(w, zeta * min(0.2 * lam, 1.0), v, lam * v / w)
         begin = run.highs[0] - math.atan2(s.v, s.w * s.D) / s.w
         if math.isfinite(s.t_slip):
-            yield s, [begin + shift * period for shift in _SHIFTS]
+            yield from ((s, begin + shift * period) for shift in _SHIFTS)
