@@ -14,6 +14,7 @@ from stickslip_design.points import slips
 from stickslip_design.points.blocks import block_points, critical_speeds
 from stickslip_design.points.columns import Regime
 from tests.conftest import Sized
+from tests.laws.memory import QDYN
 from tests.needs import needs
 
 Points = dict[str, NDArray[np.float64]]
@@ -228,7 +229,7 @@ def test_kinetic_friction_above_static_is_clamped(law: str, own: dict[str, float
         (
             {},
             "viscous",
-            "'viscous' has no map; the friction laws with one: coulomb, stribeck, lugre",
+            "'viscous' has no map; the friction laws with one: coulomb, .*, rate_state",
         ),
     ],
 )
@@ -249,3 +250,13 @@ def test_the_cycles_of_lugre_blocks_are_those_of_the_published_case() -> None:
     undamped = block_points({"v": 0.1, "k": 1e4}, "lugre")
     assert undamped["regime"] == Regime.SWINGS
     assert np.isnan(found["v_c"]).all()
+
+
+@needs("cc")
+def test_the_cycles_of_rate_and_state_blocks_are_those_of_the_published_case() -> None:
+    values = {name: each for name, each in QDYN.items() if name != "z_start"}
+    found = block_points({**values, "v": np.array([1e-6, -1e-6])}, "rate_state")
+    assert found["T"] == pytest.approx(585.48393, rel=1e-7)
+    stable = block_points({"v": 0.02, "a": 0.02}, "rate_state")
+    assert stable["regime"] == Regime.EVEN
+    assert np.isnan([*found["v_c"], *found["simplified_error"]]).all()

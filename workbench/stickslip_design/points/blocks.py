@@ -35,8 +35,8 @@ WITHOUT_INFLUENCE: Final = ("F_ext", "x_start", "x_dot_start", "z_start", "age_s
 """Parameters and inputs that the steady motion does not depend on."""
 
 
-_LAWS: Final = (COULOMB_NAME, "stribeck", "lugre")
-_LUGRE: Final = _LAWS[-1]
+_LAWS: Final = (COULOMB_NAME, "stribeck", "lugre", "rate_state")
+_WITH_MEMORY: Final = _LAWS[2:]
 
 
 @cache
@@ -83,16 +83,16 @@ def critical_speeds(values: Values, law: str = COULOMB_NAME) -> Floats:
     """Return the highest pulling velocities [m/s] at which a cycle with a stick exists.
 
     Arguments are as of `block_points`; ``v`` is of no influence. Infinite where stick-slip has no
-    end, NaN under LuGre and where the search of `stickslip_ref.critical_velocity` fails. Closed
-    under Coulomb's law with constant coefficients, else 10 to 100 ms a point.
+    end, NaN under friction with a memory and where the search of `stickslip_ref.critical_velocity`
+    fails. Closed under Coulomb's law with constant coefficients, else 10 to 100 ms a point.
     """
     given = _checked({**values, "v": 1.0}, law)
     if has_closed_form(given, law):
         return np.asarray(coulomb_limit(_parameters(given)))
     arrays = np.broadcast_arrays(*(np.asarray(each, float) for each in given.values()))
     found = np.full(arrays[0].shape, np.nan)
-    if law == _LUGRE:
-        # Minutes a point.
+    if law in _WITH_MEMORY:
+        # Seconds a point.
         return found
     friction = reference_law(law)
     for place in np.ndindex(found.shape):
@@ -121,7 +121,7 @@ def _checked(values: Values, law: str) -> dict[str, float | Floats]:
                 raise ValueError(objection)
     given = {**start, **values}
     found = {name: each for name, each in given.items() if name not in WITHOUT_INFLUENCE}
-    return {**found, "mu_k": _parameters(found).mu_k_used}
+    return {**found, "mu_k": _parameters(found).mu_k_used} if "mu_k" in found else found
 
 
 def has_closed_form(values: Values, law: str) -> bool:
@@ -135,7 +135,7 @@ def _parameters(given: Values) -> Parameters:
     with warnings.catch_warnings():
         # A map may cross the line where the two are equal.
         warnings.simplefilter("ignore", FrictionClampWarning)
-        return Parameters(**{name: given[name] for name in names})
+        return Parameters(**{name: given[name] for name in names if name in given})
 
 
 def _coulomb(given: Values) -> Motion:
@@ -163,7 +163,7 @@ def _followed(given: Values, law: str) -> Motion:
     flat["v"] = np.broadcast_to(np.abs(given["v"]), shape).ravel()
     if law == COULOMB_NAME:
         found = dwelling.motion(flat)
-    elif law == _LUGRE:
+    elif law in _WITH_MEMORY:
         slips = first_slips(flat, law)
         cycles = np.isfinite(slips.t_stick)
         swings, none = np.isfinite(slips.t_slip) & ~cycles, np.zeros(cycles.shape, bool)
@@ -190,7 +190,7 @@ def _columns(given: Values, law: str, motion: Motion) -> dict[str, NDArray[Any]]
         motion.sticks, Regime.STICKS, np.where(motion.swings, Regime.SWINGS, Regime.EVEN)
     )
     p = _parameters(given)
-    mu_k = np.asarray(p.mu_k)
+    mu_k = np.asarray(p.mu_k if "mu_k" in given else np.nan)
     if "shape" in given:
         # Of a measured curve that of its last point.
         mu_k = np.where(np.equal(given["shape"], CURVE), last_coefficient(given), mu_k)
