@@ -133,6 +133,49 @@ def test_bristles_slide_at_g_and_hold_as_a_spring() -> None:
     assert holds.z[-1] == pytest.approx(way * 1e5 / (1e5 + 1000.0), rel=1e-5)
 
 
+def _breaks_away(p: Parameters, rate: float) -> float:
+    """Return the friction at which bristles of a light mass no longer hold a force that grows.
+
+    There ``F' = sigma_0 zeta'``, so ``u (1 - F / g(u)) = F' / sigma_0``: a creep u solves it up to
+    the F at which the left side's maximum over u is the right one, which falls with the rate.
+    """
+    creep = np.geomspace(1e-3, 10.0, 100_000) * p.own["v_s"]
+    g = np.array([LUGRE.sliding_friction(p, u) for u in creep.tolist()])
+    return float(np.max(g * (1.0 - rate / p.own["sigma_0"] / creep)))
+
+
+@pytest.mark.parametrize("rate", [0.2, 1.0, 5.0, 15.0])
+def test_break_away_falls_with_the_rate_of_the_force(rate: float) -> None:
+    # A finding of the paper of 1995, as 10.1007/s11044-023-09909-5 says. Bristles that lag by
+    # sigma_1 / sigma_0 pass the fold late by its power 2/3, as any slow passage.
+    late = []
+    for m in (1e-4, 1e-6):
+        base = Parameters(m=m, g=1.0 / m, k=2.0, v=0.5 * rate, mu_s=1.5, mu_k=1.0)
+        p = LUGRE.complete(base, {"sigma_1": 2.0 * math.sqrt(1e5 * m)})
+        fold = _breaks_away(p, rate)
+        times = (fold + np.linspace(-0.01, 0.04, 5001)) / rate
+        found = simulate(base, times[-1], times=times, law="lugre", own=p.own)
+        late.append(np.max(-found.F_friction) - fold)
+    assert 0.0 < late[1] < 1.5e-3
+    # The next order is some 10 %.
+    assert math.log(late[0] / late[1], 10.0) == pytest.approx(2.0 / 3.0, rel=0.1)
+
+
+def test_fading_damping_takes_heat_from_no_bristles_up_to_4_g_over_v() -> None:
+    # Heat per time over g u is y^2 + r (1 - y), y = sigma_0 zeta / g, r = sigma_1 u / g: least for
+    # y = r / 2, where it is r (1 - r / 4).
+    u = 0.02
+    for r, passive in ((4.0 * (1.0 - 1e-9), True), (4.0 * (1.0 + 1e-9), False)):
+        p = LUGRE.complete(Parameters(), {"v_d": 0.01})
+        g = LUGRE.sliding_friction(p, u)
+        sigma_1 = r * g / u * math.exp((u / 0.01) ** 2)
+        p = LUGRE.complete(Parameters(), {"v_d": 0.01, "sigma_1": sigma_1})
+        zeta = 0.5 * r * g / p.own["sigma_0"]
+        (rate,) = LUGRE.rates(p, u, (zeta,))
+        heat = LUGRE.slip_friction(p, u, (zeta,)) * u - p.own["sigma_0"] * zeta * rate
+        assert (heat > 0.0) is passive
+
+
 @pytest.mark.gate
 def test_lugre_tends_to_stribeck_with_the_root_of_sigma_0() -> None:
     base, own = parted(CANUDAS)
