@@ -1,4 +1,8 @@
-"""Friction with a memory: a cycle of the native FMU against SciPy's LSODA, in CPU time."""
+"""Friction with a memory: a cycle of the native FMU against SciPy's LSODA, in CPU time.
+
+A compiled LSODA is not among them: numbalsoda has no wheel for Python 3.11, and its build needs a
+Fortran compiler. docs/theory.md has figures of its C++ part.
+"""
 
 import math
 import shutil
