@@ -44,8 +44,10 @@ class LuGre(FrictionLaw):
 
     def knots(self, context: Context, n: Numbers) -> Sequence[Number]:
         """Return 0 and the speeds [m/s], both ways, where an exponential is a rounding."""
-        limits = _limits(context, n)
-        return [*(-u for u in reversed(limits)), context.zero, *limits]
+        v_s, delta, v_d = (n.own[name] for name in ("v_s", "delta", "v_d"))
+        falls = [(v_s, delta)] * bool(n.gap) + [(v_d, 2)] * bool(v_d)
+        limits = {_fades(context, *each) for each in falls}
+        return sorted({context.zero, *limits, *(-u for u in limits)})
 
     def kinetic_between(
         self, n: Numbers, band: int, speed: Series, state: Sequence[Series]
@@ -55,7 +57,7 @@ class LuGre(FrictionLaw):
         force: Series = state[0] * own["sigma_0"]
         (rate,) = self.rates_between(n, band, speed, state)
         if own["v_d"]:
-            if abs(self._level(speed.context, n, band)) >= _fades(speed.context, own["v_d"], 2):
+            if self._place(speed.context, n, band)[1] >= _fades(speed.context, own["v_d"], 2):
                 return force
             rate = rate * (-((speed / own["v_d"]) ** 2)).exp()
         whole: Series = force + rate * own["sigma_1"]
@@ -65,19 +67,20 @@ class LuGre(FrictionLaw):
         self, n: Numbers, band: int, speed: Series, state: Sequence[Series]
     ) -> Sequence[Series]:
         """Return zeta' [m/s]."""
-        context, level = speed.context, self._level(speed.context, n, band)
-        forward = band > len(_limits(context, n))
+        context, own = speed.context, n.own
+        forward, level = self._place(context, n, band)
         size = speed if forward else -speed
-        part = size * state[0] * n.own["sigma_0"]
-        if n.gap == 0 or abs(level) >= _falls(context, n):
+        part = size * state[0] * own["sigma_0"]
+        if n.gap == 0 or level >= _fades(context, own["v_s"], own["delta"]):
             return (speed - part / n.F_k,)
-        g = (-((size / n.own["v_s"]) ** n.own["delta"])).exp() * n.gap + n.F_k
+        g = (-((size / own["v_s"]) ** own["delta"])).exp() * n.gap + n.F_k
         return (speed - part / g,)
 
-    def _level(self, context: Context, n: Numbers, band: int) -> Number:
-        """Return the knot of a band that is nearer to 0 [m/s]."""
-        knots, middle = self.knots(context, n), len(_limits(context, n))
-        return knots[band - 1] if band > middle else knots[band]
+    def _place(self, context: Context, n: Numbers, band: int) -> tuple[bool, Number]:
+        """Return whether a band is forward, and how far from 0 it begins [m/s]."""
+        knots = self.knots(context, n)
+        forward = 2 * band > len(knots)
+        return forward, abs(knots[band - 1] if forward else knots[band])
 
     def state_start(self, n: Numbers) -> tuple[Number, ...]:
         """Return zeta at the start [m]."""
@@ -92,19 +95,6 @@ class LuGre(FrictionLaw):
     ) -> dict[str, Number]:
         """Return zeta [m] and the energy in the bristles [J]."""
         return {"zeta": state[0], "E_bristles": self.stored(n, state)}
-
-
-def _limits(context: Context, n: Numbers) -> list[Number]:
-    """Return the rising speeds > 0 [m/s] where an exponential ends."""
-    found = {_falls(context, n)} if n.gap else set()
-    if n.own["v_d"]:
-        found.add(_fades(context, n.own["v_d"], 2))
-    return sorted(found)
-
-
-def _falls(context: Context, n: Numbers) -> Number:
-    """Return the speed [m/s] from which g is constant."""
-    return _fades(context, n.own["v_s"], n.own["delta"])
 
 
 def _fades(context: Context, speed: Number, exponent: Number) -> Number:
