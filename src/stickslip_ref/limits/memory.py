@@ -36,7 +36,7 @@ class Accuracy(NamedTuple):
     rounds: int
 
 
-FINE, ROUGH = Accuracy(1e-13, 1e-10, 20), Accuracy(1e-8, 1e-6, 12)
+FINE, ROUGH = Accuracy(1e-13, 1e-10, 20), Accuracy(1e-8, 1e-6, 9)
 """Of a cycle that is asked for, and of one of which only the existence is."""
 
 _FLAT = 1e-6
@@ -198,9 +198,13 @@ def _followed(
     while abs(step) > _NARROW and v != last:
         ahead = v * math.exp(step)
         ahead = last if (ahead - last) * step >= 0.0 else ahead
-        guess = x + slope * (ahead - v)
-        found = limit_cycle(replace(p, v=ahead).with_own(p.own), law, guess, ROUGH)
-        if found is not None and found.least <= STUCK * ahead:
+        there, along = replace(p, v=ahead).with_own(p.own), x + slope * (ahead - v)
+        # From farther out the motion leads to the cycle, from within perhaps to rest on the pull.
+        for guess in (np.maximum(x, along), along):
+            found = limit_cycle(there, law, guess, ROUGH)
+            if sticks := found is not None and found.least <= STUCK * ahead:
+                break
+        if found is not None and sticks:
             v, x, slope = ahead, found.x, (found.x - x) / (ahead - v)
             # The first one after an end or a miss may be luck.
             step, follows = 2.0 * step if follows else step, True
