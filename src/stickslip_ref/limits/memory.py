@@ -200,7 +200,7 @@ def _followed(
         ahead = last if (ahead - last) * step >= 0.0 else ahead
         there, along = replace(p, v=ahead).with_own(p.own), x + slope * (ahead - v)
         # From farther out the motion leads to the cycle, from within perhaps to rest on the pull.
-        for guess in (np.maximum(x, along), along):
+        for guess in (np.maximum(x, along), along)[: 1 + bool(np.any(along < x))]:
             found = limit_cycle(there, law, guess, ROUGH)
             if sticks := found is not None and found.least <= STUCK * ahead:
                 break
