@@ -13,7 +13,7 @@ from stickslip_design.loop.critical import regime_of
 from stickslip_design.loop.follower import Follower
 from stickslip_design.loop.presliding import _v_s, at_feed, growth_of, with_presliding
 from stickslip_design.loop.rest import hunting
-from stickslip_design.report import data, tables
+from stickslip_design.report import data
 from stickslip_design.study import design
 from tests.design.axes import DRIVE, RIGID, SERVO, driven, random_axis
 
@@ -119,11 +119,11 @@ def test_a_verdict_with_presliding_says_more_and_nothing_else() -> None:
     # Two axes: the rounding of one goes by what was asked of it before.
     bare, found = design(replace(SERVO)), design(replace(SERVO), presliding=True)
     before, after = data(bare), data(found)
-    assert (before.pop("presliding"), tables.presliding(bare)) == (None, ())
+    assert (before.pop("presliding"), bare.with_presliding) == (None, ())
     assert after.pop("presliding")["feeds"][0]["from_rest"]["kind"] == "even"
     assert before.pop("unanswered")[::2] == after.pop("unanswered")[:2]
     assert before == after
-    (sentence,) = tables.presliding(found)
+    (sentence,) = found.with_presliding
     assert "2 µm, an estimate for a sliding way: it jumps 11" in sentence
     assert "it does not hunt at a target, as from 0.5" in sentence
 

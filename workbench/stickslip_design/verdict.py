@@ -16,7 +16,7 @@ from stickslip_units import EXACT, number, shown_in, told, turning
 
 from .axis import Axis
 from .loop.critical import Record
-from .loop.presliding import Presliding
+from .loop.presliding import AtFeed, Presliding
 from .loop.rest import Hunting
 from .loop.stability import GainLimits, Response, Swing, gain_limits
 
@@ -224,6 +224,23 @@ class Verdict:
         """The first measure that is enough and leaves the task as it is; None where none is."""
         return best(self.measures)
 
+    @property
+    def with_presliding(self) -> tuple[str, ...]:
+        """What presliding makes of it in sentences; empty where that was not asked."""
+        found = self.presliding
+        if found is None or found.refused:
+            return (f"Presliding is not judged: {found.refused}.",) if found else ()
+        both = zip(found.feeds, self.points, strict=True)
+        # `judders` is None where it is open.
+        spoken = [at for at, point in both if point.judders or at.judders not in (at.falls, False)]
+        said = "; it ".join(_yielding(at) for at in (*spoken, found.target) if at)
+        usual = [each.reason for each in found.assumed if each.key == "friction.presliding"]
+        way = ", ".join([told(found.way, "m", EXACT), *usual])
+        falls = ", ".join(feed_in_words(at.feed) for at in found.feeds if at.falls)
+        because = "as friction falls over a speed and not at once, with presliding or without"
+        first = f"With presliding of {way}: it {said or 'does not judder either'}."
+        return (first, f"It judders at {falls} {because}.") if falls else (first,)
+
 
 def best(measures: Iterable[AxisMeasure]) -> AxisMeasure | None:
     """Return the first measure that is enough and leaves the task as it is."""
@@ -370,6 +387,21 @@ def _judder(point: OperatingPoint) -> str:
     often = f"{number(point.frequency, 2)} times a second"
     back = ", turning back between them" if cycle.reverses else ""
     return f"At {at} this axis jumps {told(point.jump, 'm')}, {often}{back}"
+
+
+def _yielding(at: AtFeed) -> str:
+    where = f"at {feed_in_words(at.feed)}" if at.feed else "at a target"
+    on = f"from {told(at.turns_at, 'm')} on" if at.turns_at else ""
+    if at.judders is None:
+        return f"had not settled {where} when it was no longer followed"
+    if not at.judders:
+        return f"{'moves evenly' if at.feed else 'does not hunt'} {where}" + (on and f", as {on}")
+    worst = max(at.from_rest, at.from_jumps, key=lambda motion: motion[1:])
+    does = "swings" if worst.period else "does not stay even"
+    if worst.jump:
+        does = f"jumps {told(worst.jump, 'm')}, {number(1.0 / worst.period, 2)} times a second,"
+    bump = ", though not after a start from rest" if at.from_rest.kind == "even" else ""
+    return f"{does} {where}{bump}" + (on and f", and {on} no more")
 
 
 def _start(axis: Axis, point: OperatingPoint) -> str:

@@ -403,7 +403,7 @@ def design_summary(verdict: Verdict) -> RenderableType:
         parts.append(Text(f"as it is: {tables.robust(verdict)}"))
     if verdict.stable and verdict.axis.drive is not None:
         parts.append(Text(f"at a target: {tables.hunting(verdict)[0]}"))
-    parts += map(Text, tables.presliding(verdict))
+    parts += map(Text, verdict.with_presliding)
     points = tables.operating_points(verdict).of(*range(5))
     if points.rows:
         parts.append(of_grid(points))

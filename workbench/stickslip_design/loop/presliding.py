@@ -22,8 +22,6 @@ from .critical import judders
 from .follower import FALL, Follower, Matrix, Vector, assumed, presliding
 from .rest import Hunting
 
-Kind = Literal["even", "jumps", "swings", "hunts", "open"]
-
 _OF_FEED, _OF_SLIP = 1.0 / 3.0, 0.1
 """Speed over which two coefficients fall, over the feed, where friction is then kinetic to 1e-4 of
 the gap, and at most over the speed of a slip. Much slower, it would fall in the presliding."""
@@ -96,17 +94,16 @@ class Presliding:
 
 def _refusal(axis: Axis) -> str:
     friction = axis.friction
-    for reason, holds in (
-        ("no handbook has that of a rotary table", axis.turns),
-        ("the way has no dry friction", axis.F_s == 0.0),
-        ("a measured curve does not say how friction breaks away", friction.is_curve),
-        ("bristles know no static friction that grows at rest", friction.tau_s or friction.B),
-    ):
-        if holds:
-            return reason
+    reasons = {
+        "no handbook has that of a rotary table": axis.turns,
+        "the way has no dry friction": axis.F_s == 0.0,
+        "a measured curve does not say how friction breaks away": friction.is_curve,
+        "bristles know no static friction that grows at rest": friction.tau_s or friction.B,
+    }
+    found = next((reason for reason, holds in reasons.items() if holds), "")
     with suppress(ValueError):
-        Follower(axis)
-        return ""
+        _ = found or Follower(axis)
+        return found
     return "the loop is unstable with its sampling taken as a delay"
 
 

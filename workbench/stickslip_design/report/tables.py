@@ -11,18 +11,9 @@ from stickslip_units import EXACT, NONE, decibels, number, per_minute, scale_of,
 
 from ..axis import Axis, Filter
 from ..axis.keys import KEYS
-from ..loop.presliding import AtFeed
 from ..loop.stability import Cut
 from ..measures.catalogue import catalogue
-from ..verdict import (
-    AxisCure,
-    AxisMeasure,
-    Change,
-    Robustness,
-    Verdict,
-    feed_in_words,
-    ranges_in_words,
-)
+from ..verdict import AxisCure, AxisMeasure, Change, Robustness, Verdict, ranges_in_words
 
 Tone = Literal["good", "warn", "bad"]
 Motion = Literal["jumps", "both", "swings", "even"]
@@ -308,39 +299,6 @@ def hunting(verdict: Verdict) -> tuple[str, ...]:
             "can end the hunting (0.5 µm did in a computation apart)."
         )
     return tuple(said)
-
-
-def presliding(verdict: Verdict) -> tuple[str, ...]:
-    """Return in sentences what presliding makes of the verdict; empty where that was not asked."""
-    found = verdict.presliding
-    if found is None or found.refused:
-        return (f"Presliding is not judged: {found.refused}.",) if found else ()
-    both = zip(found.feeds, verdict.points, strict=True)
-    # `judders` is None where it is open.
-    spoken = [at for at, point in both if point.judders or at.judders not in (at.falls, False)]
-    said = [_yielding(at) for at in (*spoken, found.target) if at]
-    usual = [each.reason for each in found.assumed if each.key == "friction.presliding"]
-    because = "where friction falls over a speed and not at once, with presliding and without"
-    return (
-        f"With presliding of {', '.join([told(found.way, 'm', EXACT), *usual])}: it "
-        f"{'; it '.join(said) or 'does not judder either'}.",
-        *(f"At {feed_in_words(at.feed)} it judders {because}." for at in found.feeds if at.falls),
-    )
-
-
-def _yielding(at: AtFeed) -> str:
-    where = f"at {feed_in_words(at.feed)}" if at.feed else "at a target"
-    on = f"from {told(at.turns_at, 'm')} on" if at.turns_at else ""
-    if at.judders is None:
-        return f"had not settled {where} when it was no longer followed"
-    if not at.judders:
-        return f"{'moves evenly' if at.feed else 'does not hunt'} {where}" + (on and f", as {on}")
-    worst = max(at.from_rest, at.from_jumps, key=lambda motion: motion[1:])
-    does = "swings" if worst.period else "does not stay even"
-    if worst.jump:
-        does = f"jumps {told(worst.jump, 'm')}, {number(1.0 / worst.period, 2)} times a second,"
-    bump = ", though not after a start from rest" if at.from_rest.kind == "even" else ""
-    return f"{does} {where}{bump}" + (on and f", and {on} no more")
 
 
 def measures(verdict: Verdict) -> Grid:
