@@ -24,21 +24,23 @@ _EXPORT: Final = re.compile(r"^export (?=(?:async )?(?:function|const|class)\b)"
 _NAME: Final = re.compile(
     r"^(?:(?:async )?function\*? |const |let |class )(?P<name>[A-Za-z_$][\w$]*)", re.MULTILINE
 )
+_COMMENT: Final = re.compile(r"^ *(?:/\*(?:(?!\*/)[\s\S])*\*/|//.*)\n", re.MULTILINE)
+"""On lines of its own; the sources keep theirs."""
 _PATTERN: Final = re.compile(r"^(?:const|let) [\[{]", re.MULTILINE)
 
 
 def joined(modules: Mapping[str, str]) -> str:
-    """Join modules, each after those that it needs, into one script without imports and exports.
+    """Join modules, each after those that it needs, into one script.
 
-    `modules` are sources by path, such as ``"model/cycle.js"``. KeyError if one is missing;
-    ValueError if there is a circle of imports, two modules use one name, or one declares several by
-    a pattern.
+    It has no imports, no exports and no comments on lines of their own. `modules` are sources by
+    path, such as ``"model/cycle.js"``. KeyError if one is missing; ValueError if there is a circle
+    of imports, two modules use one name, or one declares several by a pattern.
     """
     owners: dict[str, str] = {}
     parts = []
     needed = {path: _imports(path, source) for path, source in modules.items()}
     for path in TopologicalSorter(needed).static_order():
-        text = _EXPORT.sub("", _IMPORT.sub("", modules[path]))
+        text = _COMMENT.sub("", _EXPORT.sub("", _IMPORT.sub("", modules[path])))
         if _PATTERN.search(text):
             raise ValueError(f"{path}: a pattern declares names; declare each by itself")
         for found in _NAME.finditer(text):
