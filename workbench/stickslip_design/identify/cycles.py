@@ -157,9 +157,11 @@ def _turned(run: Run, *, shows: bool) -> Run:
             rests += float(np.sqrt(np.mean(off**2))) < math.hypot(rough * swing, 1.3 * noise)
         why = f"the table rests between {rests} of {len(highs)} slips only"
         turned = replace(
-            run, highs=tuple(run.t[highs]), lows=tuple(run.t[lows]),
+            run,
+            highs=tuple(run.t[highs]),
+            lows=tuple(run.t[lows]),
             still=why if shows and rests < 2 else "",
-        )  # fmt: skip
+        )
     return turned
 
 

@@ -207,21 +207,30 @@ def driven(record: Record, axis: Axis | None) -> Identified:
     return Identified(
         kind="steady runs" if rows.steady else "excitation",
         reason=f"{len(steady)} runs of constant speed, of {share:.0%} of the moving time"
-        if rows.steady else "the table is accelerated and braked",
-        numbers=tuple(_numbers(rows, law, others, axis)), missing=tuple(missing.items()),
+        if rows.steady
+        else "the table is accelerated and braked",
+        numbers=tuple(_numbers(rows, law, others, axis)),
+        missing=tuple(missing.items()),
         residual=Residual(
-            rms=float(np.sqrt(np.mean(rows.best.residual**2))), unit="N", at=at,
+            rms=float(np.sqrt(np.mean(rows.best.residual**2))),
+            unit="N",
+            at=at,
             memory=memory.samples * rows.step,
             faults=(*others, *_faults(rows, law, curve, inside)),
         ),
         traces=(
             Trace(
-                name="force", unit="N", t=moved["t"][shown], measured=moved["force"][shown],
+                name="force",
+                unit="N",
+                t=moved["t"][shown],
+                measured=moved["force"][shown],
                 fitted=rows.best.fitted[shown],
             ),
         ),
-        segments=tuple(parts), curve=curve, notes=tuple(notes),
-    )  # fmt: skip
+        segments=tuple(parts),
+        curve=curve,
+        notes=tuple(notes),
+    )
 
 
 def _rows(runs: Sequence[Even], record: Record, axis: Axis | None) -> _Rows:
@@ -249,9 +258,12 @@ def _rows(runs: Sequence[Even], record: Record, axis: Axis | None) -> _Rows:
 
 
 def _at(
-    runs: Sequence[Even], record: Record, axis: Axis | None, stride: int,
+    runs: Sequence[Even],
+    record: Record,
+    axis: Axis | None,
+    stride: int,
     steady: Sequence[Plateau] = (),
-) -> _Rows | None:  # fmt: skip
+) -> _Rows | None:
     """Return every so many samples behind a low pass, without rests, or those of steady runs.
 
     None where nothing is left.
@@ -286,10 +298,14 @@ def _at(
         return None
     moved = {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}
     return _Rows(
-        moved=moved, sample=step, step=stride * step, yielding=yielding, steady=bool(steady),
+        moved=moved,
+        sample=step,
+        step=stride * step,
+        yielding=yielding,
+        steady=bool(steady),
         wanted={n[7:]: moved[n] for n in moved if n[:7] == "wanted "} if late is not None else {},
         noise=max(scatter(run, corner, rounding) for run in runs),
-    )  # fmt: skip
+    )
 
 
 def _moved(v: Floats, a: Floats, step: float, corner: float) -> Columns:
@@ -297,9 +313,14 @@ def _moved(v: Floats, a: Floats, step: float, corner: float) -> Columns:
     ahead, sign = (low_pass(each, step, corner) for each in (np.maximum(v, 0.0), np.sign(v)))
     jerk = np.gradient(a, step)
     return {
-        "m": a, "c": v, "c forward": ahead, "c backward": v - ahead, "F_k": sign, "jerk": jerk,
+        "m": a,
+        "c": v,
+        "c forward": ahead,
+        "c backward": v - ahead,
+        "F_k": sign,
+        "jerk": jerk,
         "jounce": np.gradient(jerk, step),
-    }  # fmt: skip
+    }
 
 
 def _lateness(ways: Sequence[Columns]) -> float | None:
@@ -349,9 +370,13 @@ def _numbers(
         apart = [sign * o.number(symbol) - own for o in others.values() if symbol in o.names]
         also = f", without {drive.inertia:.4g} kg of the motor" if drive and symbol == "m" else ""
         yield Number(
-            name=name, meaning=meaning + also, unit=unit, value=value,
-            low=min(value - reach, *apart, value), high=max(value + reach, *apart, value),
-        )  # fmt: skip
+            name=name,
+            meaning=meaning + also,
+            unit=unit,
+            value=value,
+            low=min(value - reach, *apart, value),
+            high=max(value + reach, *apart, value),
+        )
 
 
 def _others(rows: _Rows, axis: Axis | None) -> dict[str, Estimate]:
@@ -447,7 +472,5 @@ def _curve(rows: _Rows) -> tuple[Law, Curve, Memory]:
         [[found.number(n), found.deviation(n), found.reach(n)] for n in names]
     ).T
     law = law_of(speed, force, np.maximum(deviation, 1e-12 * float(np.max(np.abs(force)))))
-    drawn = Curve(
-        speed=speed, force=force, band=band, law=law.words, fitted=law.estimate.fitted
-    )  # fmt: skip
+    drawn = Curve(speed=speed, force=force, band=band, law=law.words, fitted=law.estimate.fitted)
     return law, drawn, found.memory

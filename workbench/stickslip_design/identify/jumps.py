@@ -154,15 +154,22 @@ def stick_slip(record: Record, axis: Axis | None = None) -> Identified:
             f"{max(numbers, key=lambda number: number.width).name}, the widest."
         )
     return Identified(
-        kind="stick-slip", reason=reason, numbers=tuple(numbers), missing=tuple(unknown.items()),
+        kind="stick-slip",
+        reason=reason,
+        numbers=tuple(numbers),
+        missing=tuple(unknown.items()),
         residual=Residual(
-            rms=max(one.motion.noise[name] for one in fits), unit=_UNITS[name],
-            memory=memory.samples * step, faults=tuple(faults),
+            rms=max(one.motion.noise[name] for one in fits),
+            unit=_UNITS[name],
+            memory=memory.samples * step,
+            faults=tuple(faults),
             at=(lag * step, float(memory.correlation[lag - 1])) if memory.samples else (0.0, 0.0),
         ),
-        traces=tuple(_traces(record, fits)), notes=tuple(notes), next_measurement=following,
+        traces=tuple(_traces(record, fits)),
+        notes=tuple(notes),
+        next_measurement=following,
         segments=tuple(part for one in fits for part in one.motion.segments(one.value)),
-    )  # fmt: skip
+    )
 
 
 def _with_extras(fits: list[Fitted[Block]]) -> tuple[list[Fitted[Block]], list[str]]:
@@ -248,9 +255,12 @@ def _figures(fits: Fits, axis: Axis | None) -> dict[str, Floats]:
 
 
 def _number(
-    name: str, some: Floats, ends: Callable[[float, float], tuple[float, float]], *,
+    name: str,
+    some: Floats,
+    ends: Callable[[float, float], tuple[float, float]],
+    *,
     by_scatter: bool,
-) -> Number:  # fmt: skip
+) -> Number:
     """Return a number, the mean over runs, wider where they differ; over cycles by scatter."""
     own, spread, lows, highs = some.T
     n, weight, why = len(own), spread**-2.0, _WHYS.get(name, "")
@@ -268,9 +278,14 @@ def _number(
         value, low, high = max(value, 0.0), max(low, 0.0), max(high, high - value, 0.0)
     meaning, unit = _MEANINGS[name]
     return Number(
-        name=name, meaning=meaning, unit=unit, value=value, low=low, high=high,
+        name=name,
+        meaning=meaning,
+        unit=unit,
+        value=value,
+        low=low,
+        high=high,
         why=why,
-    )  # fmt: skip
+    )
 
 
 def _law_of_gaps(some: Floats, motions: list[Solution]) -> tuple[list[str], dict[str, str]]:
@@ -306,6 +321,9 @@ def _traces(record: Record, fits: Fits) -> Iterator[Trace]:
             inside = (t >= run.t[0]) & (t <= run.t[-1])
             fitted[inside] = run.sign * np.interp(t[inside], run.t, run.columns[name] - left)
         yield Trace(
-            name=_COLUMNS[name], unit=_UNITS[name], t=t[every],
-            measured=getattr(record, _COLUMNS[name])[every], fitted=fitted[every],
-        )  # fmt: skip
+            name=_COLUMNS[name],
+            unit=_UNITS[name],
+            t=t[every],
+            measured=getattr(record, _COLUMNS[name])[every],
+            fitted=fitted[every],
+        )

@@ -92,11 +92,14 @@ class Loop(Motion):
         axis = self.axis
         return _rubbing(
             replace(
-                axis, m=axis.m * math.exp(m), k=axis.k * math.exp(k),
+                axis,
+                m=axis.m * math.exp(m),
+                k=axis.k * math.exp(k),
                 c=axis.c + c * 2.0 * math.sqrt(axis.k * axis.m),
             ),
-            axis.F_k, (axis.F_s - axis.F_k) * math.exp(gap),
-        )  # fmt: skip
+            axis.F_k,
+            (axis.F_s - axis.F_k) * math.exp(gap),
+        )
 
     def columns(self, n: Floats) -> Columns:
         """Return the residuals, each over its noise."""
@@ -159,9 +162,14 @@ class Loop(Motion):
         axis = self.candidate(n)
         force = axis.F_s - axis.F_k
         figures = {
-            "k/m": axis.k / axis.m, "c/m": axis.c / axis.m, "gap": force / axis.k,
-            "axis.stiffness": axis.k, "axis.mass": axis.m, "axis.c": axis.c, "F_s - F_k": force,
-        }  # fmt: skip
+            "k/m": axis.k / axis.m,
+            "c/m": axis.c / axis.m,
+            "gap": force / axis.k,
+            "axis.stiffness": axis.k,
+            "axis.mass": axis.m,
+            "axis.c": axis.c,
+            "F_s - F_k": force,
+        }
         if "F" in self.noise:
             figures |= {"friction.F_s": float(n[-1]) + force, "friction.F_k": float(n[-1])}
         return figures

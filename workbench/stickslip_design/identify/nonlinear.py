@@ -129,9 +129,16 @@ def fit(motion: M, start: Floats, most: int = 80, gain: float = _GAIN) -> Fitted
         return np.concatenate([*motion.columns(n), n / motion.usual])
 
     best = least_squares(
-        residual, start, lambda n: derivatives(residual, motion, n), method="lm", x_scale="jac",
-        ftol=gain, xtol=gain, gtol=gain, max_nfev=most,
-    )  # fmt: skip
+        residual,
+        start,
+        lambda n: derivatives(residual, motion, n),
+        method="lm",
+        x_scale="jac",
+        ftol=gain,
+        xtol=gain,
+        gtol=gain,
+        max_nfev=most,
+    )
     return Fitted(motion, np.asarray(best.x))
 
 

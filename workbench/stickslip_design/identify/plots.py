@@ -52,9 +52,13 @@ def courses(found: Identified) -> Figure:
         handles, labels = panels.flat[0].get_legend_handles_labels()
         looks = dict(zip(labels, handles, strict=True))
         page.legend(
-            looks.values(), looks, loc="outside upper left", ncols=5, fontsize=LETTERS,
+            looks.values(),
+            looks,
+            loc="outside upper left",
+            ncols=5,
+            fontsize=LETTERS,
             handlelength=1.4,
-        )  # fmt: skip
+        )
     return page
 
 

@@ -109,20 +109,27 @@ def html(found: Identified, source: str, then: str) -> str:
     table = numbers(found)
     return rendered(
         "identified.html.j2",
-        found=found, source=source, then=then, explains=explains(found),
-        numbers=table.of(*range(6)), widths=[row for row in table.rows if row[-1]],
+        found=found,
+        source=source,
+        then=then,
+        explains=explains(found),
+        numbers=table.of(*range(6)),
+        widths=[row for row in table.rows if row[-1]],
         courses=drawn(plots.courses(found), "record", "The record, the fit, and what it leaves"),
         friction=drawn(plots.friction(found), "friction", "Friction over the speed"),
-    )  # fmt: skip
+    )
 
 
 def data(found: Identified, source: str, then: str) -> dict[str, Any]:
     """Return what a record tells as what JSON knows [SI]; without its samples."""
     return {
-        "format": FORMAT, "record": source, "sentence": then, "explained": found.explained,
+        "format": FORMAT,
+        "record": source,
+        "sentence": then,
+        "explained": found.explained,
         **plain(replace(found, traces=())),
         "numbers": [
             plain(each) | {"width": plain(each.width), "identified": each.identified}
             for each in found.numbers
         ],
-    }  # fmt: skip
+    }

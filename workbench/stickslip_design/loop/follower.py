@@ -132,9 +132,14 @@ class Follower:
 
     @one_thread
     def states(
-        self, start: Vector, speed: Over, acceleration: Over, knots: Sequence[float], at: Vector,
+        self,
+        start: Vector,
+        speed: Over,
+        acceleration: Over,
+        knots: Sequence[float],
+        at: Vector,
         forward: float = 0.0,
-    ) -> Matrix:  # fmt: skip
+    ) -> Matrix:
         """Return the states at some times [s]: a row for each, the bristles [m] behind the others.
 
         The command has a speed [m/s] and an acceleration [m/s2] over the time [s], smooth between
@@ -166,9 +171,17 @@ class Follower:
             inputs[size + 2] = math.copysign(forward, speed(0.5 * (begin + end)))
             times = [begin, *at[(at > begin) & (at < end)], end]
             rows, how = odeint(
-                rates, y, times, tfirst=True, full_output=True, rtol=_RTOL, atol=scale,
-                tcrit=[end], mxstep=_MOST, mxords=orders,
-            )  # fmt: skip
+                rates,
+                y,
+                times,
+                tfirst=True,
+                full_output=True,
+                rtol=_RTOL,
+                atol=scale,
+                tcrit=[end],
+                mxstep=_MOST,
+                mxords=orders,
+            )
             if "success" not in how["message"]:
                 raise RuntimeError(f"the motion of the axis cannot be followed: {how['message']}")
             y = rows[-1]

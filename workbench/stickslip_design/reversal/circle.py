@@ -87,11 +87,17 @@ def measured(feed: float, radius: float, share: float, paths: Matrix) -> Circle:
     for wave in (np.cos(ANGLES), np.sin(ANGLES)):
         both -= 2.0 * np.mean(both * wave) * wave
     return Circle(
-        feed, radius, share, G_b=float(np.ptp(both)), G=float(np.ptp(both, axis=1).max()),
-        H=float(np.abs(both[0] - both[1]).max()), D=float(both.mean()),
-        F_max=float(both.max()), F_min=float(both.min()),
+        feed,
+        radius,
+        share,
+        G_b=float(np.ptp(both)),
+        G=float(np.ptp(both, axis=1).max()),
+        H=float(np.abs(both[0] - both[1]).max()),
+        D=float(both.mean()),
+        F_max=float(both.max()),
+        F_min=float(both.min()),
         glitches=tuple(_glitch(paths[0], 0.5 * math.pi * side, radius) for side in range(4)),
-    )  # fmt: skip
+    )
 
 
 def _glitch(path: Vector, angle: float, radius: float) -> Glitch:
@@ -143,6 +149,8 @@ def reversal_value(axis: Follower, feed: float, acceleration: float | None) -> f
     rests = axis.follow(
         lambda t: feed * max(1.0 - t / slows, 0.0),
         lambda t: -feed / slows if t < slows else 0.0,
-        (0.0, slows, slows + 1.001 * DWELL), np.array([slows + DWELL]), 0.0,
-    )  # fmt: skip
+        (0.0, slows, slows + 1.001 * DWELL),
+        np.array([slows + DWELL]),
+        0.0,
+    )
     return 2.0 * float(rests[0])
