@@ -11,7 +11,7 @@ import pytest
 from stickslip_design.axis import Axis, Friction
 from stickslip_design.loop.critical import regime_of
 from stickslip_design.loop.follower import Follower
-from stickslip_design.loop.presliding import _v_s, at_feed, growth_of, with_presliding
+from stickslip_design.loop.presliding import at_feed, growth_of, stribeck_speed, with_presliding
 from stickslip_design.loop.rest import hunting
 from stickslip_design.report import data
 from stickslip_design.study import design
@@ -79,7 +79,7 @@ def test_a_small_swing_grows_as_the_eigenvalues_say_and_none_that_grows_is_even(
 def test_without_presliding_the_jump_is_that_of_the_verdict(axis: Axis, feed: float) -> None:
     found = at_feed(yielding(axis, 2e-9), feed).from_jumps
     # A jump is read above half of the feed; below that the table goes some percent of its way.
-    expected = regime_of(falling(axis, _v_s(axis, feed)), feed).stick_slip
+    expected = regime_of(falling(axis, stribeck_speed(axis, feed)), feed).stick_slip
     assert expected is not None
     assert found.kind == "jumps"
     assert found.jump == pytest.approx(expected.jump, rel=0.05)
@@ -94,7 +94,7 @@ def test_long_rests_are_no_even_motion(seed: int) -> None:
     friction = Friction(mu_s=axis.friction.mu_s, mu_k=axis.friction.mu_k)
     axis = replace(axis, friction=friction, drive=replace(axis.drive, dry=0.0))
     feed = 0.2 * (axis.F_s - axis.F_k) / math.sqrt(axis.k * axis.m)
-    expected = regime_of(falling(axis, _v_s(axis, feed)), feed).stick_slip
+    expected = regime_of(falling(axis, stribeck_speed(axis, feed)), feed).stick_slip
     found = at_feed(yielding(axis, 1e-4 * (axis.F_s - axis.F_k) / axis.k), feed)
     assert found.judders is (expected is not None)
 

@@ -42,9 +42,11 @@ from .verdict import (
 
 _UNANSWERED: Final = (
     "Reversal and backlash: the axis moves in one direction.",
-    "Presliding: the guideway holds the table without give until it breaks away; a way that yields "
-    "by some micrometres may end small jumps and hunting.",
     "Other modes: screw, table and frame are one mass and one spring.",
+)
+_PRESLIDING: Final = (
+    "Presliding: the guideway holds the table without give until it breaks away; a way that yields "
+    "by some micrometres may end small jumps and hunting."
 )
 _OF_LOOP: Final = "Counts of the encoders and the limit of the motor's force are left out."
 
@@ -75,8 +77,8 @@ def design(axis: Axis | AxisFile, *, presliding: bool = False) -> Verdict:
     offered = tuple(each.measure for each in found)
     said = {point.feed: point.judders for point in points}
     yields = with_presliding(axis, said, rest) if presliding and stable else None
-    # Presliding is the second.
-    left = _UNANSWERED[:: 2 if yields and not yields.refused else 1]
+    answered = yields and not yields.refused
+    left = _UNANSWERED if answered else (*_UNANSWERED, _PRESLIDING)
     return Verdict(
         axis=axis,
         stable=stable,

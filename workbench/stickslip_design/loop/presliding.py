@@ -122,14 +122,14 @@ def with_presliding(axis: Axis, said: Mapping[float, bool], rest: Hunting | None
         if now and found.judders is not None:
             return found._replace(turns_at=_turns_at(axis, found, rest))
         if found.judders and not now and constant:
-            own = {"shape": 1.0, "v_s": _v_s(axis, feed), "delta": 2.0}
+            own = {"shape": 1.0, "v_s": stribeck_speed(axis, feed), "delta": 2.0}
             fallen = replace(axis.friction, law="stribeck", own=own)
             return found._replace(falls=judders(replace(axis, friction=fallen), feed))
         return found
 
     taken = [each for each in assumed(axis) if each.key == "friction.presliding"]
     if constant and axis.F_s > axis.F_k:
-        value = f"a third of the feed, {told(_v_s(axis, math.inf), 'm/s')} at most"
+        value = f"a third of the feed, {told(stribeck_speed(axis, math.inf), 'm/s')} at most"
         taken.append(Assumed("friction.v_s", value, "kinetic at the feed, as without presliding"))
     feeds = tuple(judged(feed, said[feed]) for feed in sorted(said))
     return Presliding(way, "", tuple(taken), feeds, judged(0.0, True) if rest else None)
@@ -155,14 +155,15 @@ def _turns_at(axis: Axis, found: AtFeed, rest: Hunting | None) -> float | None:
     return max(inside, outside)
 
 
-def _v_s(axis: Axis, feed: float) -> float:
+def stribeck_speed(axis: Axis, feed: float) -> float:
+    """Return the speed [m/s] over which friction is taken to fall at a feed [m/s]."""
     slip = (axis.F_s - axis.F_k) / math.sqrt(axis.k * axis.m)
     return min(_OF_FEED * (feed or math.inf), _OF_SLIP * slip) or FALL
 
 
 def at_feed(axis: Axis, feed: float, rest: Hunting | None = None) -> AtFeed:
     """Return what an axis does with presliding at a feed [m/s]; at 0 about a target, as `rest`."""
-    follower, relief = Follower(axis, _v_s(axis, feed)), (axis.F_s - axis.F_k) / axis.k
+    follower, relief = Follower(axis, stribeck_speed(axis, feed)), (axis.F_s - axis.F_k) / axis.k
     table, bristles, growth = follower.table, follower.size, growth_of(follower, feed)
     jumping, held = follower.even(feed, held=True), follower.even(feed)
     begin, struck = np.zeros(held.size), jumping.copy()
