@@ -116,7 +116,7 @@ def test_a_verdict_with_presliding_says_more_and_nothing_else() -> None:
     before, after = data(bare), data(found)
     assert (before.pop("presliding"), bare.with_presliding) == (None, ())
     assert after.pop("presliding")["feeds"][0]["from_rest"]["kind"] == "even"
-    assert before.pop("unanswered")[::2] == after.pop("unanswered")[:2]
+    assert before.pop("unanswered")[:2] == after.pop("unanswered")[:2]
     assert before == after
     (sentence,) = found.with_presliding
     assert "2 µm, an estimate for a sliding way: it jumps 11" in sentence
