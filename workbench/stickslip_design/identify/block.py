@@ -8,75 +8,84 @@ force adds the stiffness and the level at break-away.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
-from itertools import pairwise, product
+from functools import cached_property
+from itertools import product
 from typing import Final
 
 import numpy as np
+from scipy.optimize import least_squares
+from scipy.stats import t as student
 
 from stickslip_score import Solution, scatter_of
 
 from ..axis import Axis
 from .cycles import Run, digit_of
 from .model import Floats, Record
-from .nonlinear import Columns, Fitted, Motion, fit, weighed
+from .noise import SURE, Estimate
+from .noise import least_squares as linear
 
+_CURVED: Final = 0.06
+"""Half an interval over its number, from which it is one of the logarithm: numbers scale a motion.
+"""
+_STEP: Final = 1e-6
+"""Of difference quotients. They change by 0.1 % from 1e-5 to 1e-7: what bends over a wider one
+would tell a direction that the record does not."""
+_LITTLE: Final = 4.0
+"""Of the squares, for each number: what a search may have left."""
+_UNKNOWN: Final = 3e6
+"""Deviation of a number before the record, over one at which a change is as large as the noise."""
+_EXACT: Final = 1e-7
+"""Of the range of a column, what is no noise but a solver's tolerance."""
+COLUMNS: Final = {"x": "position", "F": "force"}
+"""Columns of a run, as a record names them."""
+LEVELS, COEFFICIENTS = ("friction.F_s", "friction.F_k"), ("friction.mu_s", "friction.mu_k")
 _LEAST_ZETA, _MOST_ZETA, _USUAL_ZETA = -0.3, 0.95, 0.5
 _RATIOS, _DAMPINGS = (0.3, 0.6, 1.2, 2.0, 3.0, 4.5, 7.0, 11.0, 18.0, 30.0), (0.02, 0.15)
 _SHIFTS: Final = (-0.1, -0.03, 0.0, 0.03, 0.1)
 """Where the search starts: w D/v, damping ratios, and break-aways in periods."""
-_BEST: Final = 2
-_SOME: Final = 700
-"""Samples with which it does."""
-_EXACT: Final = 1e-7
-"""Of the range of a column, what is no noise but a solver's tolerance."""
-_STEP: Final = 1e-5
-"""Of a difference quotient: of a number, or of the period."""
-LEVELS, COEFFICIENTS = ("friction.F_s", "friction.F_k"), ("friction.mu_s", "friction.mu_k")
+_BEST, _SOME = 2, 700
+"""Starts that are searched from, and samples with which that is done."""
 LOAD_UP: Final = (
     "the position tells (F_s - F_k)/k; a load-up from a relaxed spring tells them apart"
 )
 _BY_SPEED: Final = ("gap", "axis.stiffness", "axis.mass", "axis.c")
 _EDGE: Final = 1e-3
 """Of the damping ratio: how near to a slip without an end a fit tells nothing by its slopes."""
-DRIFTS: Final = ("drift 1", "drift 2", "drift 3")
+DRIFTS, CREEP = ("drift 1", "drift 2", "drift 3"), ("creep",)
+"""Numbers that are fitted besides: of a zero of the force that drifts, parts of its range; of a
+table that creeps between its slips, part of the gap."""
 
 
-@dataclass(frozen=True, eq=False)
-class Block(Motion):
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Block:
     """The block on its spring over a run that begins in a rest."""
 
+    run: Run
+    noise: dict[str, float]
+    """Standard deviations of x [m] and F [N], as far as there are."""
     extras: tuple[str, ...] = ()
-    """"delay" or the drifts, free besides."""
+    """Names of numbers that are fitted besides."""
 
     @property
     def names(self) -> list[str]:
-        """The numbers, of w, D, k and v their logarithms."""
+        """The numbers but the levels: of w, D, k, v the logarithm; break-away in periods."""
         names = ["w", "zeta", "t_break", "D"]
-        if "x" in self.noise:
-            names += ["v", "x_0"] if math.isnan(self.run.speed) else ["x_0"]
-        return [*names, "k", "F_b", *self.extras] if "F" in self.noise else names
+        names += ["v"] * (math.isnan(self.run.speed) and "x" in self.noise)
+        return names + ["k"] * ("F" in self.noise) + [*self.extras]
+
+    @property
+    def usual(self) -> tuple[float, ...]:
+        """A damping ratio beyond its limits shows nothing: it comes back from there."""
+        return tuple(_USUAL_ZETA if name == "zeta" else math.inf for name in self.names)
 
     def by_name(self, n: Floats) -> dict[str, float]:
         """Return the numbers by name."""
-        q = dict(zip(self.names, n.tolist(), strict=True))
+        q = dict(zip(self.names, n.tolist(), strict=False))
         # However far a step of the search goes.
-        return q | {name: math.exp(min(max(q[name], -80.0), 80.0)) for name in "wDkv" if name in q}
-
-    @property
-    def steps(self) -> Floats:
-        """Steps of difference quotients."""
-        period = float(np.ptp(self.run.t)) / len(self.run.highs)
-        steps = dict.fromkeys(("t_break", "delay"), _STEP * period)
-        steps |= dict.fromkeys(("F_b", *DRIFTS), self.noise.get("F", 0.0))
-        steps["x_0"] = self.noise.get("x", 0.0)
-        return np.array([steps.get(name, _STEP) for name in self.names])
-
-    @property
-    def usual(self) -> Floats:
-        """A damping ratio beyond its limits shows nothing: it comes back from there."""
-        return np.array([_USUAL_ZETA if name == "zeta" else math.inf for name in self.names])
+        q |= {name: math.exp(min(max(q[name], -80.0), 80.0)) for name in "wDkv" if name in q}
+        return q | {"t_break": float(self.run.t[0]) + q["t_break"] * self.run.period}
 
     def motion(self, n: Floats) -> Solution:
         """Return the motion of the block."""
@@ -84,50 +93,70 @@ class Block(Motion):
         v = q.get("v", 1.0 if math.isnan(v) else v)
         return Solution(q["w"], min(max(q["zeta"], _LEAST_ZETA), _MOST_ZETA), v, q["D"])
 
-    def columns(self, n: Floats) -> Columns:
-        """Return the residuals."""
+    def seen(self, n: Floats) -> dict[str, Floats]:
+        """Return x [m] and F [N] at the samples, but for their levels."""
         q, motion, t = self.by_name(n), self.motion(n), self.run.t
-        after, seems = t - q["t_break"], {}
-        if "x" in self.noise:
-            seems["x"] = q["x_0"] + motion.position(after)
-        if "F" in self.noise:
-            after = after - q.get("delay", 0.0)
-            level = [q["F_b"], *(q.get(name, 0.0) for name in DRIFTS)]
-            seems["F"] = q["k"] * (motion.v * after - motion.position(after))
-            seems["F"] += np.polynomial.legendre.legval(np.linspace(-1.0, 1.0, t.size), level)
-        return [(self.run.columns[name] - s) / self.noise[name] for name, s in seems.items()]
+        after = t - q["t_break"]
+        x = motion.position(after)
+        if "creep" in q:
+            period = motion.figures()["period"]
+            saw = np.interp(after % period, [0.0, motion.t_slip, period], [0.5, -0.5, 0.5])
+            x += q["creep"] * motion.D * np.nan_to_num(saw) * (after >= 0.0)
+        F = q.get("k", 0.0) * (motion.v * after - x)
+        if DRIFTS[0] in q:
+            by = [0.0, *(q[name] * float(np.ptp(self.run.columns["F"])) for name in DRIFTS)]
+            F += np.polynomial.legendre.legval(np.linspace(-1.0, 1.0, t.size), by)
+        return {"x": x, "F": F}
+
+    def columns(self, n: Floats) -> list[Floats]:
+        """Return the residuals, each in units of its noise."""
+        seen, levels = self.seen(n), n[-len(self.noise) :]
+        return [
+            (self.run.columns[name] - seen[name] - level) / e
+            for (name, e), level in zip(self.noise.items(), levels, strict=True)
+        ]
+
+    def levelled(self, n: Floats) -> Floats:
+        """Return numbers with the levels that leave least of the columns."""
+        means = [np.mean(r) * e for r, e in zip(self.columns(n), self.noise.values(), strict=True)]
+        return np.append(n[: -len(means)], n[-len(means) :] + means)
+
+    @cached_property
+    def known(self) -> Floats:
+        """How far the numbers usually are from 0."""
+        return np.append(self.usual, np.full(len(self.noise), math.inf))
+
+    def derivatives(self, of: Callable[[Floats], Floats], n: Floats) -> Floats:
+        """Return the derivatives of what follows from numbers, shape (values, p)."""
+        steps = np.append(np.full(len(self.usual), _STEP), [*self.noise.values()])
+        return np.stack([(of(n + by) - of(n - by)) / (2.0 * by.sum()) for by in np.diag(steps)], 1)
 
     def start(self, motion: Solution, begin: float) -> Floats:
         """Return the numbers of a motion that breaks away at a time, its levels at best."""
-        after, columns = self.run.t - begin, self.run.columns
-        way = motion.position(after)
-        q = {"w": math.log(motion.w), "zeta": motion.zeta, "t_break": begin}
-        q |= {"D": math.log(motion.D), "v": math.log(motion.v)}
-        if "x" in columns:
-            q["x_0"] = float(np.mean(columns["x"] - way))
-        if "F" in columns:
-            k, q["F_b"] = np.polyfit(motion.v * after - way, columns["F"], 1).tolist()
+        run, F = self.run, self.run.columns.get("F")
+        q = {"w": math.log(motion.w), "zeta": motion.zeta, "D": math.log(motion.D)}
+        q |= {"v": math.log(motion.v), "t_break": (begin - float(run.t[0])) / run.period}
+        if F is not None:
+            after = run.t - begin
+            k = float(np.polyfit(motion.v * after - motion.position(after), F, 1)[0])
             q["k"] = math.log(max(k, 1e-300))
-        return np.array([q.get(name, 0.0) for name in self.names])
+        return self.levelled(np.array([q[name] for name in self.names] + [0.0] * len(self.noise)))
 
-    def more(self, found: Fitted[Block], *extras: str) -> Fitted[Block]:
-        """Return the fit with more that is free, from one without it."""
-        wider = replace(self, extras=(*self.extras, *extras))
-        return weighed(fit(wider, np.append(found.value, np.zeros(len(extras)))))
+    def more(self, found: Fitted, extras: tuple[str, ...]) -> Fitted:
+        """Return the fit with numbers besides, from one without."""
+        size = len(self.names)
+        n = np.insert(found.value, size, np.zeros(len(extras)))
+        return weighed(fit(replace(self, extras=(*self.extras, *extras)), n))
 
     def figures(self, n: Floats, axis: Axis | None) -> dict[str, float]:
         """Return what the columns tell of the axis, by name."""
         q, motion = self.by_name(n), self.motion(n)
-        w2, c_m = motion.w**2, 2.0 * float(n[1]) * motion.w
-        gap = motion.D + 2.0 * motion.zeta * motion.v / motion.w
+        w2, gap = motion.w**2, motion.D + 2.0 * motion.zeta * motion.v / motion.w
         g, load, m = (axis.g, axis.load, axis.m) if axis else (9.81, 0.0, 1.0)
         along = self.run.sign * axis.along if axis else 0.0
-        figures = {"k/m": w2, "c/m": c_m, "gap": gap}
-        if "k" in q:
-            k, F_s = q["k"], q["F_b"] + along
-            figures |= {"axis.stiffness": k, "axis.mass": k / w2, "axis.c": c_m * k / w2}
-            figures |= {"F_s - F_k": k * gap, "friction.F_s": F_s, "friction.F_k": F_s - k * gap}
-        elif self.run.start > -math.inf:
+        F_s = float(n[-1]) + along if "k" in q else None
+        figures = figures_of(w2, 2.0 * q["zeta"] * motion.w, gap, q.get("k"), F_s)
+        if "k" not in q and self.run.start > -math.inf:
             mu_s = w2 * motion.v * (q["t_break"] - self.run.start) + along / m
             figures["friction.mu_s"] = mu_s / (g + load / m)
             figures["friction.mu_k"] = (mu_s - w2 * gap) / (g + load / m)
@@ -143,71 +172,142 @@ class Block(Motion):
         drifts = dict.fromkeys(LEVELS, "the zero of the force drifts")
         return unknown | drifts if DRIFTS[0] in self.extras else unknown
 
-    def creep(self, n: Floats) -> Floats:
-        """Return what a creep between slips would change in the residuals."""
-        after, period = self.cycles(n)
-        t_slip = self.motion(n).t_slip
-        within = after % period
-        rise = (within - t_slip) / (period - t_slip) - 0.5
-        way = np.where(within < t_slip, 0.5 - within / t_slip, rise) * (after >= 0.0)
-        by = {"x": 1.0, "F": -self.by_name(n).get("k", 0.0)}
-        return np.concatenate([way * by[name] / e for name, e in self.noise.items()])
+    def rhythm(self, n: Floats) -> tuple[float, float, float]:
+        """Return the first break-away, the period, and the length of a slip [s].
 
-    def cycles(self, n: Floats) -> tuple[Floats, float]:
-        """Return the times since the first break-away, and the period [s].
-
-        NaN where a slip would soon have no end.
+        The period is NaN where a slip would soon have no end.
         """
         motion = self.motion(n)
-        damped = replace(motion, zeta=motion.zeta + _EDGE)
-        period = motion.figures()["period"] if math.isfinite(damped.t_slip) else math.nan
-        return self.run.t - self.by_name(n)["t_break"], period
+        ends = math.isfinite(replace(motion, zeta=motion.zeta + _EDGE).t_slip)
+        period = motion.figures()["period"] if ends else math.nan
+        return self.by_name(n)["t_break"], period, motion.t_slip
 
-    def segments(self, n: Floats) -> Iterator[tuple[float, float, str]]:
-        """Yield parts of the run: begin and end [s], and what they are."""
-        after, period = self.cycles(n)
-        begin, t_slip = float(self.run.t[0] - after[0]), self.motion(n).t_slip
-        for at in begin + period * np.arange(len(self.run.highs) * math.isfinite(period)):
-            yield at, at + t_slip, "slips"
-            yield at + t_slip, at + period, "rests"
 
-    def parts(self, n: Floats, most: int) -> Iterator[Fitted[Block]]:
-        """Yield fits of single cycles, at most so many."""
-        run, motion = self.run, self.motion(n)
-        turn = math.atan2(motion.v, motion.w * motion.D) / motion.w
-        middles = [0.5 * (low + high) for low, high in zip(run.lows, run.highs[1:], strict=False)]
-        edges = [float(run.t[0]), *middles, float(run.t[-1])]
-        for begin, end in list(pairwise(edges))[:: -(-len(edges) // most)]:
-            part = run.within(begin, end)
-            if part.highs and part.lows and part.t.size > 10:
-                speed = run.speed if "x" not in self.noise else motion.v
-                some = replace(self, run=replace(part, speed=speed), extras=())
-                yield weighed(fit(some, some.start(motion, part.highs[0] - turn)))
+@dataclass(frozen=True)
+class Fitted:
+    """Least squares at their minimum."""
+
+    motion: Block
+    value: Floats
+
+    @cached_property
+    def residual(self) -> list[Floats]:
+        """Residuals at the minimum."""
+        return self.motion.columns(self.value)
+
+    @cached_property
+    def estimate(self) -> Estimate:
+        """Of a whole step of Gauss and Newton from here: what the search has left to go."""
+        J = self.motion.derivatives(lambda n: np.concatenate(self.motion.columns(n)), self.value)
+        lengths = np.maximum(np.sqrt(np.sum(J**2, axis=0)), 1e-100)
+        known = np.minimum(self.motion.known, _UNKNOWN / lengths)
+        names = [str(i) for i in range(self.value.size)]
+        return linear(
+            dict(zip(names, -J.T, strict=True)),
+            np.concatenate(self.residual),
+            np.repeat(np.arange(len(self.residual)), [r.size for r in self.residual]),
+            known=dict(zip(names, known.tolist(), strict=True)),
+        )
+
+    @property
+    def covariance(self) -> Floats:
+        """Covariance of the numbers, shape (p, p): of noise, and of a search that has not ended."""
+        estimate = self.estimate
+        return estimate.covariance + np.outer(estimate.value, estimate.value)
+
+    @property
+    def ended(self) -> bool:
+        """Whether what the search has left to go is within the noise."""
+        fitted = self.estimate.fitted
+        return float(fitted @ fitted) < _LITTLE * self.value.size
+
+    @property
+    def unlikelihood(self) -> float:
+        """Minus twice the logarithm of the likelihood, for each sample: runs differ by some."""
+        sizes = zip(self.residual, self.motion.noise.values(), strict=True)
+        return sum(math.log(float(np.mean(r * r)) * e**2) for r, e in sizes)
+
+    def figures(self, axis: Axis | None) -> Iterator[tuple[str, float, float]]:
+        """Yield what the fit tells of the axis: name, value, and standard deviation."""
+        named, motion = self.motion.figures(self.value, axis), self.motion
+        slopes = motion.derivatives(
+            lambda n: np.array([*motion.figures(n, axis).values()]), self.value
+        )
+        spread = np.sqrt(np.einsum("ij,jk,ik->i", slopes, self.covariance, slopes).clip(1e-300))
+        yield from zip(named, named.values(), spread.tolist(), strict=True)
+
+    def ends(self, value: float, deviation: float) -> tuple[float, float]:
+        """Return the interval of 95 % of a value with a standard deviation."""
+        half = float(student.ppf(0.5 + 0.5 * SURE, self.estimate.freedom)) * deviation
+        if not _CURVED * value < half < value:
+            return value - half, value + half
+        return value * math.exp(-half / value), value * math.exp(half / value)
 
 
 def noise_of(record: Record, run: Run) -> dict[str, float]:
     """Return about the noise of x and F in a run: their scatter, or their digits."""
     noise = {}
     for name, s in run.columns.items():
-        half = record.rounding.get({"x": "position", "F": "force"}[name], 0.5 * digit_of(s))
+        half = record.rounding.get(COLUMNS[name], 0.5 * digit_of(s))
         scatter = float(np.nan_to_num(scatter_of(run.t, s)))
         noise[name] = max(scatter, half / math.sqrt(3.0), _EXACT * float(np.ptp(s)))
     return noise
 
 
-def fitted_block(record: Record, run: Run) -> Fitted[Block]:
+def fit(motion: Block, start: Floats, most: int = 80, gain: float = 1e-9) -> Fitted:
+    """Return the least squares that are reached from a start, shape (p,), in so many trials.
+
+    `gain` is what a step gains at the end, of the squares and the numbers.
+    """
+
+    def residual(n: Floats) -> Floats:
+        return np.concatenate([*motion.columns(n), n / motion.known])
+
+    best = least_squares(
+        residual,
+        start,
+        lambda n: motion.derivatives(residual, n),
+        method="lm",
+        x_scale="jac",
+        ftol=gain,
+        xtol=gain,
+        gtol=gain,
+        max_nfev=most,
+    )
+    return Fitted(motion, np.asarray(best.x))
+
+
+def weighed(found: Fitted, most: int = 80, gain: float = 1e-9) -> Fitted:
+    """Return the fit with the noise that a residual shows, from there."""
+    pairs = zip(found.motion.noise.items(), found.residual, strict=True)
+    noise = {name: e * max(float(np.sqrt(np.mean(r * r))), 1e-3) for (name, e), r in pairs}
+    return fit(replace(found.motion, noise=noise), found.value, most, gain)
+
+
+def figures_of(
+    w2: float, c_m: float, gap: float, k: float | None, F_s: float | None
+) -> dict[str, float]:
+    """Return figures of an axis from k/m, c/m, gap; with k [N/m] masses and forces, too."""
+    figures = {"k/m": w2, "c/m": c_m, "gap": gap}
+    if k is not None:
+        figures |= {"axis.stiffness": k, "axis.mass": k / w2, "axis.c": c_m * k / w2}
+        figures["F_s - F_k"] = k * gap
+        if F_s is not None:
+            figures |= {"friction.F_s": F_s, "friction.F_k": F_s - k * gap}
+    return figures
+
+
+def fitted_block(record: Record, run: Run) -> Fitted:
     """Return the fit of a run, from the best of several starts, with its own noise."""
-    run = run.from_rest()
-    block = Block(run, noise_of(record, run))
+    if run.start == -math.inf and len(run.lows) > 1 and len(run.highs) > 2:
+        # From a rest on: without a load-up the first one between two slips.
+        run = run.within(0.5 * (run.lows[0] + run.highs[1]), math.inf)
+    block = Block(run=run, noise=noise_of(record, run))
     some = replace(block, run=run.at(slice(None, None, -(-run.t.size // _SOME))))
-    starts = [some.start(motion, at) for motion, at in _starts(run)]
-    nearest = sorted(starts, key=lambda n: _square(some, n))[:_BEST]
-    found = [fit(some, n).value for n in nearest]
-    return weighed(fit(block, min(found, key=lambda n: _square(some, n))))
-
-
-def _square(block: Block, n: Floats) -> float:
-    return sum(float(r @ r) for r in block.columns(n))
+    starts = [Fitted(some, some.start(motion, at)) for motion, at in _starts(run)]
+    nearest = sorted(starts, key=lambda one: one.unlikelihood)[:_BEST]
+    found = [fit(some, one.value) for one in nearest]
+    return weighed(fit(block, min(found, key=lambda one: one.unlikelihood).value))
 
 
 def _starts(run: Run) -> Iterator[tuple[Solution, float]]:

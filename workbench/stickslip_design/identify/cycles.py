@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
-from itertools import product
 from typing import Final
 
 import numpy as np
@@ -17,26 +16,23 @@ from stickslip_score import scatter_of
 from ..axis import Axis
 from .model import Floats, Record
 
-_MOST: Final = 60_000
-"""Samples of a run; of more, every second, third, ... is taken."""
+_MOST, _LEAST = 60_000, 40
+"""Samples of a run: of more, every second, third, ... is taken."""
 _BENDS, _JITTERS, _UNITS = (1e-5, 2e-3), 6.0, 2.0
 """What the command may be off a straight line: of its way, of which noise is no more than the
 second; deviations of its noise; its digits."""
 _NOTHING, _OFTEN = 1e-9, 0.05
 """Of the way of a column, what is no bend; and the part of the samples with a bend if counted."""
-_SLOW: Final = 0.02
-"""Of the fastest feed, below which the command rests."""
-_LEAST_SAMPLES: Final = 40
-_SWINGS: Final = tuple(0.4 * 0.7**n for n in range(12))
-"""Shares of the whole swing that a turn of the spring has at least; the first that shows cycles."""
+_SLOW, _ONE_WAY = 0.02, 0.8
+"""Of the fastest feed, below which the command rests; of its range, how far the table gets."""
 _WIDTHS: Final = (1, 4, 16, 64)
 """Samples over which turns are looked for in means, where noise hides them."""
-_ALIKE: Final = 0.5
-"""Least and greatest swing of cycles, over their median, are this or its inverse away."""
-_OF_NOISE: Final = 6.0
-"""Deviations of noise that are no turn."""
-_STRAIGHT, _RESTS = 0.015, 0.03
-"""Of the swing: how straight a force rises, and how still a table is, in the middle of a stick."""
+_OF_NOISE, _OF_DIGIT, _LARGE, _ALIKE = 6.0, 0.7, 0.3, 0.5
+"""Deviations of noise that are no turn, and the least of those, of a digit; turns that are no
+noise, of the largest; how far the cycles of a run are from their median, relative."""
+_STRAIGHT, _RESTS, _EVENLY = 0.015, 0.03, 0.3
+"""Of the swing: how straight a force rises, and how still a table is, in the middle of a stick.
+Deviation of the times from cycle to cycle, over their mean."""
 
 
 @dataclass(frozen=True)
@@ -70,16 +66,10 @@ class Run:
         )
         return replace(run, highs=highs, lows=lows)
 
-    def from_rest(self) -> Run:
-        """Return the samples from a rest on: its own begin, or the first rest between two slips."""
-        later = self.within(0.5 * (self.lows[0] + self.highs[1]), math.inf)
-        return later if self.start == -math.inf and len(later.highs) > 1 and later.lows else self
-
     def at(self, some: slice | NDArray[np.bool_]) -> Run:
         """Return some of its samples."""
-        return replace(
-            self, t=self.t[some], columns={name: s[some] for name, s in self.columns.items()}
-        )
+        columns = {name: s[some] for name, s in self.columns.items()}
+        return replace(self, t=self.t[some], columns=columns)
 
 
 def digit_of(s: Floats) -> float:
@@ -101,18 +91,17 @@ def runs_of(record: Record, axis: Axis | None) -> list[Run]:
     shows = axis is None or axis.drive is None or axis.drive.on_table
     fastest, runs = max((abs(line[2]) for line in lines), default=0.0), list[Run]()
     for begin, end, speed, level in lines:
-        if abs(speed) < _SLOW * fastest or end - begin < _LEAST_SAMPLES:
+        if abs(speed) < _SLOW * fastest or end - begin < _LEAST:
             continue
         start, rest = -math.inf, lines[0][1]
-        if command is not None and not runs and 0 < begin < rest + _LEAST_SAMPLES:
+        if command is not None and not runs and 0 < begin < rest + _LEAST:
             # From a rest on, the spring is drawn by what the command has gone since.
             start = float(t[begin] - (level - np.mean(command[: rest + 1])) / speed)
         way = x[end] - x[begin] if math.isnan(speed) and x is not None else speed
         sign = -1.0 if way < 0.0 else 1.0
         columns = {name: sign * s for name, s in (("x", x), ("F", F)) if s is not None}
         run = Run(t, abs(speed), columns, sign, start)
-        run = run.at(slice(begin, end + 1, -(-(end - begin) // _MOST)))
-        runs.append(_turned(run, shows=shows))
+        runs.append(_turned(run.at(slice(begin, end + 1, -(-(end - begin) // _MOST))), shows))
     if not runs:
         raise ValueError("the command does not move long enough at one speed")
     return runs
@@ -128,63 +117,64 @@ def _straight(t: Floats, s: Floats) -> list[tuple[int, int, float, float]]:
         a, b = rest.pop()
         off = np.abs(s[a : b + 1] - np.interp(t[a : b + 1], [t[a], t[b]], [s[a], s[b]]))
         at = a + int(np.argmax(off))
-        if off.max() > allowed and b - a >= _LEAST_SAMPLES:
+        if off.max() > allowed and b - a >= _LEAST:
             rest += [(at, b), (a, at)]
-            continue
-        if b - a > 1:
+        elif b - a > 1:
             speed, level = np.polyfit(t[a : b + 1] - t[a], s[a : b + 1], 1).tolist()
             pieces.append((a, b, speed, level))
     return pieces
 
 
-def _turned(run: Run, *, shows: bool) -> Run:
-    """Return a run with the turns of its spring, and whether the table rests, if it `shows`."""
-    turned, clearest = replace(run, still="the spring does not turn twice at one feed"), 0.0
+def _turned(run: Run, shows: bool) -> Run:
+    """Return a run with the turns of its spring, or why it has none; `shows`: the table is seen."""
+    turned, clearest, t = (
+        replace(run, still="the spring does not turn twice at one feed"),
+        0.0,
+        run.t,
+    )
     for name, s in run.columns.items():
         degree, rough = (1, _STRAIGHT) if name == "F" else (0, _RESTS)
-        speed = run.speed if math.isfinite(run.speed) else float(np.polyfit(run.t, s, 1)[0])
-        u = s if degree else speed * (run.t - run.t[0]) - s
-        noise = max(float(np.nan_to_num(scatter_of(run.t, s))), 0.3 * digit_of(s))
-        highs, lows, swing = _turns(u, noise)
+        speed = float(np.polyfit(t, s, 1)[0]) if math.isnan(run.speed) else run.speed
+        noise = max(float(np.nan_to_num(scatter_of(t, s))), _OF_DIGIT * digit_of(s))
+        highs, lows, swing = _turns(s if degree else speed * (t - t[0]) - s, noise)
         clear = len(lows) * swing / max(noise, 1e-3 * swing, 1e-300)
-        if clear <= clearest or len(highs) < 2:
+        if clear <= clearest:
             continue
-        rests, clearest = 0, clear
+        rests, clearest, spans = 0, clear, np.diff(t[highs])
         for low, high in zip(lows, highs[1:], strict=False):
             part = slice(low + (high - low) // 4, high - (high - low) // 4)
-            t, y = run.t[part] - run.t[low], s[part]
-            off = y - np.polyval(np.polyfit(t, y, degree), t) if t.size > 2 else np.zeros(1)
+            at, y = t[part] - t[low], s[part]
+            off = y - np.polyval(np.polyfit(at, y, degree), at) if at.size > 2 else np.zeros(1)
             rests += float(np.sqrt(np.mean(off**2))) < math.hypot(rough * swing, 1.3 * noise)
-        why = f"the table rests between {rests} of {len(highs)} slips only"
-        turned = replace(
-            run,
-            highs=tuple(run.t[highs]),
-            lows=tuple(run.t[lows]),
-            still=why if shows and rests < 2 else "",
-        )
+        whys = {
+            f"the table rests between {rests} of {len(highs)} slips only": shows and rests < 2,
+            "the spring does not turn evenly": np.std(spans) > _EVENLY * np.mean(spans),
+            "the table goes forth and back": name == "x"
+            and math.isnan(run.speed)
+            and abs(s[-1] - s[0]) < _ONE_WAY * np.ptp(s),
+        }
+        still = next((why for why, is_so in whys.items() if is_so), "")
+        turned = replace(run, highs=tuple(t[highs]), lows=tuple(t[lows]), still=still)
     return turned
 
 
 def _turns(u: Floats, noise: float) -> tuple[NDArray[np.intp], NDArray[np.intp], float]:
     """Return where a saw tooth turns down, and after that up, in cycles that are alike; its swing.
 
-    The means are as short, and the turns as large, as shows cycles.
+    The means are as short as shows cycles.
     """
-    for width, share in product(_WIDTHS, _SWINGS):
+    for width in _WIDTHS:
         smooth = uniform_filter1d(u, width)
-        size = share * float(np.ptp(smooth))
-        if size < _OF_NOISE * noise / math.sqrt(width):
-            continue
-        highs, lows = (
-            # Where a top is cut off, its begin.
-            find_peaks(side * smooth, prominence=size, plateau_size=0)[1]["left_edges"]
-            for side in (1.0, -1.0)
-        )
+        least = max(_OF_NOISE * noise / math.sqrt(width), 1e-300)
+        sides = [find_peaks(u, prominence=least, plateau_size=0)[1] for u in (smooth, -smooth)]
+        sizes = np.append(sides[0]["prominences"], 0.0)
+        size = _ALIKE * float(np.median(sizes[sizes >= _LARGE * sizes.max()]))
+        # Where a top is cut off, its begin.
+        highs, lows = (side["left_edges"][side["prominences"] > size] for side in sides)
         lows = lows[lows > highs[0]] if highs.size else lows
-        if (pairs := min(highs.size, lows.size)) < 2:
-            continue
+        pairs = min(highs.size, lows.size)
         swings = smooth[highs[:pairs]] - smooth[lows[:pairs]]
-        middle = float(np.median(swings))
-        if np.all(np.abs(swings - middle) < _ALIKE * middle) and middle > 1.5 * size:
+        middle = float(np.median(swings)) if pairs > 1 else 0.0
+        if middle and np.all(np.abs(swings - middle) < _ALIKE * middle):
             return highs, lows, middle
     return np.empty(0, np.intp), np.empty(0, np.intp), 0.0

@@ -13,17 +13,15 @@ from itertools import product
 from typing import Final
 
 import numpy as np
-from scipy.signal import correlate, detrend
 
 from ..axis import Axis, Friction
 from ..loop.jumps import loaded
 from ..loop.motion import Point, Watched, walk
 from ..loop.native import over_sample
 from ..loop.system import FORCE, INTEGRAL, LAST, MOTOR, MOTOR_SPEED, TABLE, Mode, System
-from .block import LEVELS, noise_of
+from .block import LEVELS, Block, Fitted, figures_of, noise_of, weighed
 from .cycles import Run
 from .model import Floats, Record
-from .nonlinear import Columns, Fitted, Motion, weighed
 
 _SETTLED, _SETTLES = 4, 13
 """Cycles whose mean is the period, and after which the start is forgotten."""
@@ -43,82 +41,57 @@ _LATE: Final = 1e-9
 """Of a sample: before it the controller has not yet had its turn."""
 _NO: Final = 1e9
 """What a motion without bounds is said to show [m], [N]."""
-_FINENESS: Final = 2e-4
-"""Of the period, as it is looked for."""
 _UNSEEN, _FEWEST = 4, 3
 """Cycles of the start, and those that are fitted at least."""
 _USUAL: Final = (0.5, 0.5, 0.1, 0.5, 1.0, 1.0, 1.0, 1.0, 1.0)
-_STEPS: Final = (1e-6, 1e-6, 1e-6, 1e-6, 1e-5, 1e-5, 1e-5, 1e-5, 1e-5)
 _FARTHEST: Final = ((-1.2, -1.2, -0.1, -2.5), (1.2, 1.2, 1.0, 2.5))
-"""Of the numbers but the levels: how far from where a search begins they usually are; steps of
-difference quotients, which change by 0.1 % from 1e-5 to 1e-7: what bends over a wider one would
-tell a direction that the record does not; and beyond what the first four are not tried."""
+"""Of the numbers but the levels: how far from where a search begins they usually are; and beyond
+what the first four are not tried."""
 
 
-@dataclass(frozen=True, eq=False)
-class Loop(Motion):
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Loop(Block):
     """A servo axis over a run of cycles, the table at rest in its first sample.
 
     The numbers are ln m, ln k, the damping over that at which the table would creep back,
     ln (F_s - F_k); at the first sample place of the motor, integral, set point, speed and force of
-    the motor; each less that of the start; then the level of x and the kinetic friction.
+    the motor; each less that of the start; then the levels, that of F the kinetic friction.
     """
 
     axis: Axis
     """Where the search begins: its table never goes back."""
     state: Floats
     """That of the start at the first sample."""
-    whole: Run
-    """The run is the first cycles of it."""
 
     @property
-    def steps(self) -> Floats:
-        """Steps of difference quotients."""
-        return np.array([*_STEPS, *self.noise.values()])
-
-    @property
-    def usual(self) -> Floats:
+    def usual(self) -> tuple[float, ...]:
         """What is soon forgotten the samples do not show: it is as usual."""
-        return np.array([*_USUAL, *(math.inf for _ in self.noise)])
-
-    def over(self, count: float) -> Loop:
-        """Return the loop over so many cycles."""
-        begin = float(self.whole.t[0])
-        return replace(self, run=self.whole.within(begin, begin + count * self.whole.period))
+        return _USUAL
 
     def candidate(self, n: Floats) -> Axis:
         """Return the axis with numbers."""
         m, k, c, gap = np.clip(n[:4], *_FARTHEST).tolist()
         axis = self.axis
-        return _rubbing(
-            replace(
-                axis,
-                m=axis.m * math.exp(m),
-                k=axis.k * math.exp(k),
-                c=axis.c + c * 2.0 * math.sqrt(axis.k * axis.m),
-            ),
-            axis.F_k,
-            (axis.F_s - axis.F_k) * math.exp(gap),
+        other = replace(
+            axis,
+            m=axis.m * math.exp(m),
+            k=axis.k * math.exp(k),
+            c=axis.c + c * 2.0 * math.sqrt(axis.k * axis.m),
         )
-
-    def columns(self, n: Floats) -> Columns:
-        """Return the residuals, each over its noise."""
-        run, levels = self.run, n[len(_USUAL) :].tolist()
-        seen = self.seen(n, run.t - run.t[0])
-        return [
-            (run.columns[name] - seen[name] - level) / e
-            for (name, e), level in zip(self.noise.items(), levels, strict=True)
-        ]
+        return _rubbing(other, axis.F_k, (axis.F_s - axis.F_k) * math.exp(gap))
 
     @np.errstate(all="ignore")
-    def seen(self, n: Floats, t: Floats) -> dict[str, Floats]:
-        """Return position [m] and force [N] at times [s] but for their levels."""
-        system = System(self.candidate(n))
+    def seen(self, n: Floats) -> dict[str, Floats]:
+        """Return x [m] and F [N] at the samples, but for their levels."""
+        system, t = System(self.candidate(n)), self.run.t - self.run.t[0]
         T_s, layout = system.drive.T_s, system.layout
         place = TABLE if system.drive.on_table else MOTOR
         rows = [place, FORCE if system.drive.lag > 0.0 else layout.commands]
-        over = [over_sample(system, Mode(slips, 1)) for slips in (0, 1)]
-        shown, block = _over_block(np.array(over), rows)
+        over = np.array([over_sample(system, Mode(slips, 1)) for slips in (0, 1)])
+        shown = np.eye(layout.size)[rows][None].repeat(2, axis=0)
+        # Rows at each sample of a block, and what a block makes of the state.
+        while shown.shape[1] < _BLOCK * len(rows):
+            shown, over = np.concatenate([shown, shown @ over], axis=1), over @ over
         count, at = math.ceil(t[-1] / T_s - 1e-3) + 1, 0
         seen = np.empty((count + _BLOCK, 2))
         motion = walk(system, Mode(0, 1), Point(self._begun(system, n), 0.0), Watched(math.inf))
@@ -129,7 +102,7 @@ class Loop(Motion):
             last = int(events[0].time / T_s) if events else count - 1
             for begin in range(at, last + 1, _BLOCK):
                 seen[begin : begin + _BLOCK] = (shown[slips] @ state).reshape(-1, 2)
-                state = block[slips] @ state
+                state = over[slips] @ state
             at = last + 1
             while events:
                 motion.go_on((at - _LATE) * T_s - events[0].time)
@@ -153,57 +126,30 @@ class Loop(Motion):
         pushed = system.holding(1.0, 0.0) - system.holding(0.0, 0.0)
         pushed[[INTEGRAL, layout.command, MOTOR, LAST]] = 0.0
         state += pushed * force * n[8]
-        state[MOTOR_SPEED] += n[7] * self.whole.speed
-        state[LAST] -= n[7] * self.whole.speed * drive.T_s
+        state[MOTOR_SPEED] += n[7] * self.run.speed
+        state[LAST] -= n[7] * self.run.speed * drive.T_s
         return state
 
-    def figures(self, n: Floats, _: Axis | None) -> dict[str, float]:
+    def figures(self, n: Floats, axis: Axis | None) -> dict[str, float]:
         """Return what the columns tell of the axis, by name."""
         axis = self.candidate(n)
-        force = axis.F_s - axis.F_k
-        figures = {
-            "k/m": axis.k / axis.m,
-            "c/m": axis.c / axis.m,
-            "gap": force / axis.k,
-            "axis.stiffness": axis.k,
-            "axis.mass": axis.m,
-            "axis.c": axis.c,
-            "F_s - F_k": force,
-        }
-        if "F" in self.noise:
-            figures |= {"friction.F_s": float(n[-1]) + force, "friction.F_k": float(n[-1])}
-        return figures
+        m, k, gap = axis.m, axis.k, (axis.F_s - axis.F_k) / axis.k
+        return figures_of(k / m, axis.c / m, gap, k, float(n[-1]) + k * gap)
 
     def unknown(self) -> dict[str, str]:
         """Return numbers that the columns do not tell, and why."""
         why = "without the force of the motor its level is not in the record"
         return {} if "F" in self.noise else dict.fromkeys(LEVELS, why)
 
-    def cycles(self, n: Floats) -> tuple[Floats, float]:
-        """Return the times since the begin, and the period [s]."""
-        return self.run.t - self.run.t[0], self.whole.period
-
-    def segments(self, n: Floats) -> Iterator[tuple[float, float, str]]:
-        """Yield parts of the run: begin and end [s], and what they are."""
-        yield float(self.run.t[0]), float(self.run.t[-1]), "settled jumps"
+    def rhythm(self, n: Floats) -> tuple[float, float, float]:
+        """Return the begin and the period [s]; how long a slip is it does not say."""
+        return float(self.run.t[0]), self.run.period, math.nan
 
 
 def _rubbing(axis: Axis, F_k: float, gap: float) -> Axis:
     """Return an axis with kinetic friction, and what static friction is above [N]."""
     N = axis.normal_force
     return replace(axis, friction=Friction(mu_s=(F_k + gap) / N, mu_k=F_k / N))
-
-
-def _over_block(sample: Floats, rows: list[int]) -> tuple[Floats, Floats]:
-    """Return rows of the state at each sample of a block, and what a block makes of the state.
-
-    Of the matrices over a sample, shape (modes, n, n): shapes (modes, rows at each sample, n) and
-    (modes, n, n).
-    """
-    shown = np.eye(sample.shape[-1])[rows][None].repeat(len(sample), axis=0)
-    while shown.shape[1] < _BLOCK * len(rows):
-        shown, sample = np.concatenate([shown, shown @ sample], axis=1), sample @ sample
-    return shown, sample
 
 
 def _settled(axis: Axis, run: Run) -> tuple[float, Floats] | None:
@@ -226,23 +172,7 @@ def _settled(axis: Axis, run: Run) -> tuple[float, Floats] | None:
     return period, state
 
 
-def _placed(loop: Loop) -> Fitted[Loop]:
-    """Return a loop from where it is most like the run, with its numbers there."""
-    run, n = loop.whole, np.zeros(len(_USUAL) + len(loop.noise))
-    size = loop.run.t.size
-    seen = loop.seen(n, loop.run.t - run.t[0])
-    pairs = [(run.columns[name], seen[name], e) for name, e in loop.noise.items()]
-    last = min(int(np.searchsorted(run.t, run.t[0] + run.period)), run.t.size - size)
-    at = min(
-        range(0, last, max(last // _SHIFTS, 1)),
-        key=lambda at: sum(float(np.var(s[at : at + size] - y)) / e**2 for s, y, e in pairs),
-    )
-    n[len(_USUAL) :] = [np.mean(s[at : at + size] - y) for s, y, _ in pairs]
-    whole = replace(run.within(float(run.t[at]), math.inf), highs=run.highs)
-    return Fitted(replace(loop, whole=whole).over(_STAGES[0][0]), n)
-
-
-def _starts(axis: Axis, run: Run, noise: dict[str, float]) -> Iterator[Fitted[Loop]]:
+def _starts(axis: Axis, run: Run, noise: dict[str, float]) -> Iterator[Fitted]:
     """Yield loops whose settled jumps have the period of the run, where they are most like it."""
     # The spring gives way by about half of what the feed goes in a period.
     way = 0.5 * run.speed * run.period
@@ -257,55 +187,52 @@ def _starts(axis: Axis, run: Run, noise: dict[str, float]) -> Iterator[Fitted[Lo
                 break
             gap *= run.period / settled[0]
         if settled is not None:
-            yield _placed(Loop(run, noise, begun, settled[1], run).over(_STAGES[0][0]))
+            yield _placed(Loop(run=run, noise=noise, axis=begun, state=settled[1]))
 
 
-def fitted_loop(record: Record, axis: Axis, run: Run) -> Fitted[Loop]:
+def _placed(loop: Loop) -> Fitted:
+    """Return a loop from where in the first cycle it is most like the run, with its levels."""
+    run, n = loop.run, np.zeros(len(_USUAL) + len(loop.noise))
+    first = _over(run, float(run.t[0]), _STAGES[0][0])
+    seen, size = replace(loop, run=first).seen(n), first.t.size
+    last = min(int(np.searchsorted(run.t, run.t[0] + run.period)), run.t.size - size)
+
+    def unlike(at: int) -> float:
+        pairs = [(run.columns[q][at : at + size] - seen[q], e) for q, e in loop.noise.items()]
+        return sum(float(np.var(off)) / e**2 for off, e in pairs)
+
+    begin = float(run.t[min(range(0, last, max(last // _SHIFTS, 1)), key=unlike)])
+    placed = replace(loop, run=_over(run, begin, _STAGES[0][0]))
+    return Fitted(placed, placed.levelled(n))
+
+
+def _over(run: Run, begin: float, count: float) -> Run:
+    """Return so many cycles of a run."""
+    return run.within(begin, begin + count * run.period)
+
+
+def fitted_loop(record: Record, axis: Axis, run: Run) -> Fitted:
     """Return the fit of a run with its own noise, from the best of several starts.
 
-    ValueError where the axis as stated does not jump at this feed.
-    """
-    run = _begun(run)
-    found = [*_starts(axis, run, noise_of(record, run))]
-    if not found:
-        raise ValueError(
-            "the axis as its file states it does not jump at this feed: nothing to fit"
-        )
-    for count, most in _STAGES:
-        best = sorted(found, key=_unlikelihood)[:most]
-        # Far from the minimum what is usual of a start counts as much as the residual.
-        wider = [Fitted(one.motion.over(count), one.value) for one in best]
-        found = [weighed(one, _ROUGHLY, _ROUGH) for one in wider]
-    return weighed(min(found, key=_unlikelihood), _FINELY, _FINE)
-
-
-def _unlikelihood(found: Fitted[Loop]) -> float:
-    """Return minus twice the logarithm of the likelihood, for each sample: runs differ by some."""
-    sizes = zip(found.residual, found.motion.noise.values(), strict=True)
-    return sum(math.log(float(np.mean(r * r)) * e**2) for r, e in sizes)
-
-
-def _begun(run: Run) -> Run:
-    """Return a run without the cycles of its start, between highs one period apart.
-
-    ValueError of fewer than four slips. The period is that at which the record, turned about the
-    mean of its ends, is most like itself: of the motor the turns are not those of the table.
+    ValueError where the axis as stated does not jump at this feed, or a run is too short. Cycles of
+    the start are left out.
     """
     if math.isnan(run.speed) and "x" in run.columns:
         run = replace(run, speed=float(np.polyfit(run.t, run.columns["x"], 1)[0]))
     if math.isnan(run.speed):
         raise ValueError("the feed is not in the record: state one feed")
-    if len(run.highs) < _FEWEST + 1:
+    if len(run.highs) <= _FEWEST:
         raise ValueError(f"{len(run.highs)} slips of a servo axis: fewer than {_FEWEST + 1}")
-    count = len(run.highs) - 1
-    step = (run.t[-1] - run.t[0]) / (run.t.size - 1)
-    about = float(np.median(np.diff(run.highs)[count // 2 :]))
-    some = run.within(run.highs[min(_UNSEEN, count // 3)], math.inf)
-    columns = some.columns
-    s = detrend(columns["F"] if "F" in columns else columns["x"] - some.speed * some.t)
-    like = correlate(s, s, "full")[s.size - 1 :] / np.arange(s.size, 0, -1)
-    tried = about / step * np.arange(0.8, 1.25, _FINENESS)
-    multiples = np.arange(1, max(int(0.6 * s.size / (1.25 * about / step)), 1) + 1)
-    alike = np.interp(np.outer(tried, multiples), np.arange(s.size), like).mean(axis=1)
-    period = step * float(tried[int(np.argmax(alike))])
-    return replace(some, highs=tuple(np.arange(some.t[0], some.t[-1], period).tolist()))
+    run = run.within(run.highs[min(_UNSEEN, len(run.highs) // 3)], math.inf)
+    found = [*_starts(axis, run, noise_of(record, run))]
+    if not found:
+        raise ValueError("the axis as its file states it does not jump at this feed: no start")
+    for count, most in _STAGES:
+        best = sorted(found, key=lambda one: one.unlikelihood)[:most]
+        # Far from the minimum what is usual of a start counts as much as the residual.
+        runs = [_over(run, float(one.motion.run.t[0]), count) for one in best]
+        found = [
+            weighed(Fitted(replace(one.motion, run=more), one.value), _ROUGHLY, _ROUGH)
+            for one, more in zip(best, runs, strict=True)
+        ]
+    return weighed(min(found, key=lambda one: one.unlikelihood), _FINELY, _FINE)

@@ -11,7 +11,7 @@ import numpy as np
 
 from ..axis import Axis
 from .excitation import driven
-from .jumps import is_stick_slip, stick_slip
+from .jumps import stick_slip
 from .model import Identified, Record
 
 _MOST_MU, _LEAST_MU, _HEAVIEST = 2.0, 1e-4, 1e5
@@ -39,7 +39,7 @@ def identify(record: Record, axis: Axis | None = None) -> Identified:
         raise ValueError("a rotary table is not identified: records are of a slide, in m and N")
     found = None
     with suppress(ArithmeticError, ValueError, np.linalg.LinAlgError):
-        found = stick_slip(record, axis) if is_stick_slip(record, axis) else None
+        found = stick_slip(record, axis)
     found = found or driven(record, axis)
     # Of a constant force that may be none the width says nothing.
     widths = [
