@@ -11,6 +11,7 @@ from .read import UNITS as UNITS
 from .read import Curve as Curve
 from .read import CurveError as CurveError
 from .read import check_samples as check_samples
+from .read import half_unit as half_unit
 from .read import quantities_of as quantities_of
 from .read import read_columns as read_columns
 from .read import read_curve as read_curve

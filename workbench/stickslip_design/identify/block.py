@@ -18,17 +18,14 @@ import numpy as np
 from scipy.optimize import least_squares
 from scipy.stats import t as student
 
-from stickslip_score import Solution, scatter_of
+from stickslip_score import Solution, half_unit, scatter_of
 
 from ..axis import Axis
-from .cycles import Run, digit_of
+from .cycles import Run
 from .model import Floats, Record
 from .noise import SURE, Estimate
 from .noise import least_squares as linear
 
-_CURVED: Final = 0.06
-"""Half an interval over its number, from which it is one of the logarithm: numbers scale a motion.
-"""
 _STEP: Final = 1e-6
 """Of difference quotients. They change by 0.1 % from 1e-5 to 1e-7: what bends over a wider one
 would tell a direction that the record does not."""
@@ -239,8 +236,9 @@ class Fitted:
     def ends(self, value: float, deviation: float) -> tuple[float, float]:
         """Return the interval of 95 % of a value with a standard deviation."""
         half = float(student.ppf(0.5 + 0.5 * SURE, self.estimate.freedom)) * deviation
-        if not _CURVED * value < half < value:
+        if half >= value:
             return value - half, value + half
+        # Numbers scale a motion: they are known to a part of them.
         return value * math.exp(-half / value), value * math.exp(half / value)
 
 
@@ -248,7 +246,7 @@ def noise_of(record: Record, run: Run) -> dict[str, float]:
     """Return about the noise of x and F in a run: their scatter, or their digits."""
     noise = {}
     for name, s in run.columns.items():
-        half = record.rounding.get(COLUMNS[name], 0.5 * digit_of(s))
+        half = record.rounding.get(COLUMNS[name], half_unit(s))
         scatter = float(np.nan_to_num(scatter_of(run.t, s)))
         noise[name] = max(scatter, half / math.sqrt(3.0), _EXACT * float(np.ptp(s)))
     return noise

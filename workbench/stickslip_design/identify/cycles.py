@@ -11,24 +11,22 @@ from numpy.typing import NDArray
 from scipy.ndimage import uniform_filter1d
 from scipy.signal import find_peaks
 
-from stickslip_score import scatter_of
+from stickslip_score import half_unit, scatter_of
 
 from ..axis import Axis
 from .model import Floats, Record
 
 _MOST, _LEAST = 60_000, 40
 """Samples of a run: of more, every second, third, ... is taken."""
-_BENDS, _JITTERS, _UNITS = (1e-5, 2e-3), 6.0, 2.0
+_BENDS, _JITTERS, _UNITS = (1e-5, 2e-3), 6.0, 4.0
 """What the command may be off a straight line: of its way, of which noise is no more than the
-second; deviations of its noise; its digits."""
-_NOTHING, _OFTEN = 1e-9, 0.05
-"""Of the way of a column, what is no bend; and the part of the samples with a bend if counted."""
+second; deviations of its noise; half digits."""
 _SLOW, _ONE_WAY = 0.02, 0.8
 """Of the fastest feed, below which the command rests; of its range, how far the table gets."""
 _WIDTHS: Final = (1, 4, 16, 64)
 """Samples over which turns are looked for in means, where noise hides them."""
-_OF_NOISE, _OF_DIGIT, _LARGE, _ALIKE = 6.0, 0.7, 0.3, 0.5
-"""Deviations of noise that are no turn, and the least of those, of a digit; turns that are no
+_OF_NOISE, _OF_DIGIT, _LARGE, _ALIKE = 6.0, 1.4, 0.3, 0.5
+"""Deviations of noise that are no turn, and the least of those, of half a digit; turns that are no
 noise, of the largest; how far the cycles of a run are from their median, relative."""
 _STRAIGHT, _RESTS, _EVENLY = 0.015, 0.03, 0.3
 """Of the swing: how straight a force rises, and how still a table is, in the middle of a stick.
@@ -72,13 +70,6 @@ class Run:
         return replace(self, t=self.t[some], columns=columns)
 
 
-def digit_of(s: Floats) -> float:
-    """Return the last digit of a column that is counted: the least bend of it; else about 0."""
-    bends = np.abs(np.diff(s, 2))
-    bends = bends[bends > _NOTHING * float(np.ptp(s))]
-    return float(bends.min()) if bends.size > _OFTEN * s.size else 0.0
-
-
 def runs_of(record: Record, axis: Axis | None) -> list[Run]:
     """Return the runs at one feed each, with the turns of the spring."""
     x, F, t, command = record.position, record.force, record.t, record.command
@@ -109,7 +100,7 @@ def runs_of(record: Record, axis: Axis | None) -> list[Run]:
 
 def _straight(t: Floats, s: Floats) -> list[tuple[int, int, float, float]]:
     """Return the straight pieces of a command: first and last sample, speed, and first place."""
-    noise = max(_UNITS * digit_of(s), _JITTERS * float(np.nan_to_num(scatter_of(t, s))))
+    noise = max(_UNITS * half_unit(s), _JITTERS * float(np.nan_to_num(scatter_of(t, s))))
     least, most = (share * float(np.ptp(s)) for share in _BENDS)
     allowed = max(least, min(noise, most), 1e-300)
     pieces, rest = list[tuple[int, int, float, float]](), [(0, t.size - 1)]
@@ -135,7 +126,7 @@ def _turned(run: Run, shows: bool) -> Run:
     for name, s in run.columns.items():
         degree, rough = (1, _STRAIGHT) if name == "F" else (0, _RESTS)
         speed = float(np.polyfit(t, s, 1)[0]) if math.isnan(run.speed) else run.speed
-        noise = max(float(np.nan_to_num(scatter_of(t, s))), _OF_DIGIT * digit_of(s))
+        noise = max(float(np.nan_to_num(scatter_of(t, s))), _OF_DIGIT * half_unit(s))
         highs, lows, swing = _turns(s if degree else speed * (t - t[0]) - s, noise)
         clear = len(lows) * swing / max(noise, 1e-3 * swing, 1e-300)
         if clear <= clearest:
