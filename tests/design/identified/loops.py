@@ -11,17 +11,20 @@ from stickslip_design.axis import Axis
 
 Array = NDArray[Any]
 
-_HALVINGS: Final = 20
+_HALVINGS: Final = 36
 """An event is located to a sample time over 2 to the power of this."""
 
 
 def loops(
-    axes: Sequence[Axis], back: Array, position: Array, speed: Array
-) -> tuple[Array, Array, Array, Array]:
+    axes: Sequence[Axis], back: Array, position: Array, speed: Array, *,
+    struck: int = -1, by: Array | float = 0.0,
+) -> tuple[Array, Array, Array, Array]:  # fmt: skip
     """Return motor [m], table [m], its speed [m/s] and the motor's force [N] at the samples.
 
     Of servo axes with their damping backward, shape (b,), that follow commanded positions and
     speeds, shape (b, n): docs/feed-axis.md (1), (2), by the exponential of the matrix of each mode.
+    In the sample `struck` motor, its speed, its force, the integral and the command are moved `by`,
+    (b, 5).
     """
     drives = [axis.drive for axis in axes if axis.drive]
     J, K_v, K_p, T_s, T_n, lag, part, on_table = np.array([
@@ -51,10 +54,14 @@ def loops(
     everyone, y = np.arange(len(axes)), np.zeros((len(axes), 7))
     mode: Array = np.zeros_like(everyone)
     y[:, 6], last, integral = 1.0, y[:, 0].copy(), y[:, 0].copy()
-    seen = np.empty((position.shape[1], len(axes), 4))
+    seen, ahead = np.empty((position.shape[1], len(axes), 4)), np.zeros(len(axes))
     for n in range(position.shape[1]):
+        if n == struck:
+            blow = np.broadcast_to(by, (len(axes), 5)).T
+            y[:, [0, 1, 4]] += blow[:3].T
+            last, integral, ahead = last + blow[0], integral + blow[3], blow[4]
         seen[n] = y[:, [0, 2, 3, 4]]
-        e = position[:, n] - np.where(on_table > 0.0, y[:, 2], y[:, 0])
+        e = position[:, n] + ahead - np.where(on_table > 0.0, y[:, 2], y[:, 0])
         lack = K_v * e + part * speed[:, n] - (y[:, 0] - last) / T_s
         last, integral = y[:, 0].copy(), integral + K_p * T_s / T_n * lack
         y[:, 5] = K_p * lack + integral

@@ -221,8 +221,10 @@ def _jumping(rng: np.random.Generator, kind: Kind, level: int, servo: bool) -> l
     return made
 
 
-def _runs(plans: Sequence[Plan]) -> list[dict[str, Array]]:
-    """Return the columns of each, without noise."""
+def _runs(
+    plans: Sequence[Plan], struck: int = -1, by: Array | float = 0.0
+) -> list[dict[str, Array]]:
+    """Return the columns of each, without noise; servos struck as in `loops`."""
     if not plans[0][0].drive:
         runs = [
             simulate(
@@ -236,7 +238,8 @@ def _runs(plans: Sequence[Plan]) -> list[dict[str, Array]]:
         motions = [moved(t, [(begin, 0.05, feed)]) for _, feed, t, begin in plans]
         x, v, _ = np.stack(motions, axis=1)
         axes = [axis for axis, *_ in plans]
-        motor, table, _, force = loops(axes, np.array([axis.c for axis in axes]), x, v)
+        back = np.array([axis.c for axis in axes])
+        motor, table, _, force = loops(axes, back, x, v, struck=struck, by=by)
         on_table = np.array([[axis.drive is not None and axis.drive.on_table] for axis in axes])
         columns = list(zip(x, table, np.where(on_table, table, motor), force, strict=True))
     names = ("command", "table", "position", "force")
@@ -244,8 +247,11 @@ def _runs(plans: Sequence[Plan]) -> list[dict[str, Array]]:
 
 
 def _errors_of_runs(plan: Plan, rows: Array) -> Errors:
-    """By central differences of runs; where one starts in time and position is unknown."""
-    (axis, feed, t, begin), h = plan, 1e-4
+    """By central differences of runs; where one starts in time and position is unknown.
+
+    Of a servo, how its motor and command stand there, too: from the record alone nobody knows it.
+    """
+    (axis, feed, t, begin), h = plan, 1e-6
 
     def varied(name: str, by: float) -> Axis:
         rubs = axis.friction
@@ -256,12 +262,19 @@ def _errors_of_runs(plan: Plan, rows: Array) -> Errors:
     def errors(noise: Sizes) -> Sizes:
         names = ("m", "k", "c", "mu_s", "mu_k")
         sides = [varied(name, 1.0 + by) for name in names for by in (h, -h)]
-        runs = _runs([(each, feed, t, begin) for each in (*sides, axis)])
+        force = axis.F_s - axis.F_k
+        gap = force / axis.k
+        sizes = np.diag([gap, feed, force, force, gap]) * (axis.drive is not None)
+        blows = h * np.concatenate([sizes, -sizes])
+        every = [*sides, axis, *[axis] * len(blows)]
+        by = np.concatenate([np.zeros((len(sides) + 1, 5)), blows])
+        runs = _runs([(each, feed, t, begin) for each in every], int(rows[0]), by)
         columns = []
         for name, size in noise.items():
-            y = np.array([run[name] for run in runs])
+            y, struck = np.split(np.array([run[name] for run in runs]), [len(sides) + 1])
             shifted = [np.gradient(y[-1], t), np.full(len(t), float(name == "position"))]
-            by = np.array([*(y[:-1:2] - y[1::2]) / (2.0 * h), *shifted])
+            moved = (struck[:5] - struck[5:]) / (2.0 * h)
+            by = np.array([*(y[:-1:2] - y[1::2]) / (2.0 * h), *shifted, *moved])
             columns.append(by[:, rows] / size)
         J = np.concatenate(columns, axis=1)
         scale = np.linalg.norm(J, axis=1) + 1e-300
@@ -269,7 +282,7 @@ def _errors_of_runs(plan: Plan, rows: Array) -> Errors:
         truths, least = [truth_of(each, each.c, "stick-slip") for each in (*sides, axis)], {}
         for name, value in truths[-1].items():
             own = np.array([truth[name] for truth in truths[:-1]])
-            part = u.T @ (np.append((own[::2] - own[1::2]) / (2.0 * h), [0.0, 0.0]) / scale)
+            part = u.T @ (np.append((own[::2] - own[1::2]) / (2.0 * h), np.zeros(7)) / scale)
             part, lost = part[s > 1e-6 * s[0]] / s[s > 1e-6 * s[0]], part[s <= 1e-6 * s[0]]
             # What a direction changes that the columns do not show cannot be told.
             if value and np.abs(lost).max(initial=0.0) < 1e-6 * np.linalg.norm(part):

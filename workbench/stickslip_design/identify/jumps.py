@@ -88,8 +88,10 @@ def stick_slip(record: Record, axis: Axis | None = None) -> Identified:
             fits = drifting
             notes.append("the zero of the force drifts: it tells differences of forces only")
         creeps = _with(fits, CREEP)[1]
-    first, faults, unknown = fits[0], [*_faults(fits, record)], fits[0].motion.unknown()
-    faults += ["the table creeps between its slips: friction is not of Coulomb's kind"] * creeps
+    first, unknown = fits[0], fits[0].motion.unknown()
+    faults = dict.fromkeys(fault for one in fits for fault in _faults(one, record))
+    if creeps:
+        faults["the table creeps between its slips: friction is not of Coulomb's kind"] = None
     figures = _figures(fits, axis)
     if len(fits) > 1 and not faults:
         motions = [one.motion.motion(one.value) for one in fits]
@@ -143,32 +145,31 @@ def _step(t: Floats) -> float:
     return float(np.median(np.diff(t)))
 
 
-def _faults(fits: Sequence[Fitted], record: Record) -> Iterator[str]:
-    """Yield what fits show that the model has not, or where they tell nothing."""
-    faults = dict[str, set[str]]()
-    for one in fits:
-        motion, own, step = one.motion, noise_of(record, one.motion.run), _step(one.motion.run.t)
-        begin, period, _ = motion.rhythm(one.value)
-        after, w = motion.run.t - begin, math.sqrt(motion.figures(one.value, None)["k/m"])
-        for (name, e), r in zip(motion.noise.items(), one.residual, strict=True):
-            noisy = period > 0.0 and np.mean(r * r) > _NOTHING
-            repeats = noisy and after[-1] >= 3.0 * period
-            shown = {
-                "the residual of the {} repeats from cycle to cycle: friction or spring are not of "
-                "the block's kind": repeats and by_cycle(motion.run.t, r, after, period)[0],
-                "the cycles are not alike: break-away or zero wander from cycle to cycle": noisy
-                and one.estimate.memory.samples * step > period,
-                "the fit leaves far more than the noise of the {}: the cycles are not those of one "
-                "block": e > _FAR * own[name],
-                "the samples are too far apart to show a slip": w * step > _SPARSE,
-                "the fit ends where a slip would slide on: damping and gap are not told": not period
-                > 0.0,
-                "no motion is like the record: the search did not come to an end": not one.ended,
-            }
-            for fault in (fault for fault, is_so in shown.items() if is_so):
-                faults.setdefault(fault, set()).add(COLUMNS[name])
-    for fault, columns in faults.items():
-        yield fault.format(" and ".join(sorted(columns)))
+def _faults(one: Fitted, record: Record) -> Iterator[str]:
+    """Yield what a fit shows that the model has not, or where it tells nothing."""
+    motion, t, own = one.motion, one.motion.run.t, noise_of(record, one.motion.run)
+    (begin, period, _), step = motion.rhythm(one.value), _step(one.motion.run.t)
+    if math.sqrt(motion.figures(one.value, None)["k/m"]) * step > _SPARSE:
+        yield "the samples are too far apart to show a slip"
+    if not one.ended:
+        yield "no motion is like the record: the search did not come to an end"
+    if math.isnan(period):
+        yield "the fit ends where a slip would slide on: damping and gap are not told"
+        return
+    for (name, e), r in zip(motion.noise.items(), one.residual, strict=True):
+        column, noisy = COLUMNS[name], np.mean(r * r) > _NOTHING
+        if noisy and t[-1] >= begin + 3.0 * period and by_cycle(t, r, t - begin, period)[0]:
+            yield (
+                f"the residual of the {column} repeats from cycle to cycle: friction or spring are "
+                "not of the block's kind"
+            )
+        if noisy and one.estimate.memory.samples * step > period:
+            yield "the cycles are not alike: break-away or zero wander from cycle to cycle"
+        if e > _FAR * own[name]:
+            yield (
+                f"the fit leaves far more than the noise of the {column}: the cycles are not those "
+                "of one block"
+            )
 
 
 def _figures(fits: Sequence[Fitted], axis: Axis | None) -> dict[str, tuple[Floats, Floats]]:

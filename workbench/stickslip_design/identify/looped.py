@@ -41,7 +41,7 @@ _LATE: Final = 1e-9
 """Of a sample: before it the controller has not yet had its turn."""
 _NO: Final = 1e9
 """What a motion without bounds is said to show [m], [N]."""
-_UNSEEN, _FEWEST = 1, 3
+_UNSEEN, _FEWEST = 0, 3
 """Cycles of the start, and those that are fitted at least."""
 _USUAL: Final = (0.5, 0.5, 0.1, 0.5, 1.0, 1.0, 1.0, 1.0, 1.0)
 _FARTHEST: Final = ((-1.2, -1.2, -0.1, -2.5), (1.2, 1.2, 1.0, 2.5))
