@@ -18,7 +18,7 @@ from ..axis import Axis, Friction
 from ..loop.jumps import loaded
 from ..loop.motion import Point, Watched, walk
 from ..loop.native import over_sample
-from ..loop.system import FORCE, INTEGRAL, LAST, MOTOR, MOTOR_SPEED, TABLE, Mode, System
+from ..loop.system import FORCE, INTEGRAL, LAST, MOTOR, TABLE, Mode, System
 from .block import LEVELS, Block, Fitted, figures_of, noise_of, weighed
 from .cycles import Run
 from .model import Floats, Record
@@ -41,9 +41,9 @@ _LATE: Final = 1e-9
 """Of a sample: before it the controller has not yet had its turn."""
 _NO: Final = 1e9
 """What a motion without bounds is said to show [m], [N]."""
-_UNSEEN, _FEWEST = 0, 3
-"""Cycles of the start, and those that are fitted at least."""
-_USUAL: Final = (0.5, 0.5, 0.1, 0.5, 1.0, 1.0, 1.0, 1.0, 1.0)
+_FEWEST: Final = 3
+"""Cycles that are fitted at least."""
+_USUAL: Final = (0.5, 0.5, 0.1, 0.5, 1.0, 1.0, 1.0)
 _FARTHEST: Final = ((-1.2, -1.2, -0.1, -2.5), (1.2, 1.2, 1.0, 2.5))
 """Of the numbers but the levels: how far from where a search begins they usually are; and beyond
 what the first four are not tried."""
@@ -54,8 +54,8 @@ class Loop(Block):
     """A servo axis over a run of cycles, the table at rest in its first sample.
 
     The numbers are ln m, ln k, the damping over that at which the table would creep back,
-    ln (F_s - F_k); at the first sample place of the motor, integral, set point, speed and force of
-    the motor; each less that of the start; then the levels, that of F the kinetic friction.
+    ln (F_s - F_k); at the first sample the place of the motor, the integral, and the set point;
+    each less that of the start; then the levels, that of F the kinetic friction.
     """
 
     axis: Axis
@@ -123,11 +123,6 @@ class Loop(Block):
         state[layout.command] += motor * (not drive.on_table)
         state[layout.command] += n[6] * force / (drive.K_p * drive.K_v)
         state[INTEGRAL] += n[5] * force
-        pushed = system.holding(1.0, 0.0) - system.holding(0.0, 0.0)
-        pushed[[INTEGRAL, layout.command, MOTOR, LAST]] = 0.0
-        state += pushed * force * n[8]
-        state[MOTOR_SPEED] += n[7] * self.run.speed
-        state[LAST] -= n[7] * self.run.speed * drive.T_s
         return state
 
     def figures(self, n: Floats, axis: Axis | None) -> dict[str, float]:
@@ -214,8 +209,7 @@ def _over(run: Run, begin: float, count: float) -> Run:
 def fitted_loop(record: Record, axis: Axis, run: Run) -> Fitted:
     """Return the fit of a run with its own noise, from the best of several starts.
 
-    ValueError where the axis as stated does not jump at this feed, or a run is too short. Cycles of
-    the start are left out.
+    ValueError where the axis as stated does not jump at this feed, or a run is too short.
     """
     if math.isnan(run.speed) and "x" in run.columns:
         run = replace(run, speed=float(np.polyfit(run.t, run.columns["x"], 1)[0]))
@@ -223,7 +217,7 @@ def fitted_loop(record: Record, axis: Axis, run: Run) -> Fitted:
         raise ValueError("the feed is not in the record: state one feed")
     if len(run.highs) <= _FEWEST:
         raise ValueError(f"{len(run.highs)} slips of a servo axis: fewer than {_FEWEST + 1}")
-    run = run.within(run.highs[min(_UNSEEN, len(run.highs) // 3)], math.inf)
+    run = run.within(run.highs[0], math.inf)
     found = [*_starts(axis, run, noise_of(record, run))]
     if not found:
         raise ValueError("the axis as its file states it does not jump at this feed: no start")
