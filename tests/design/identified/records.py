@@ -247,7 +247,7 @@ def _runs(
 
 
 def _errors_of_runs(plan: Plan, rows: Array) -> Errors:
-    """By central differences of runs; where one starts in time and position is unknown.
+    """By central differences of runs; where one starts in position, and if cut in time, is unknown.
 
     Of a servo, how its motor and command stand there, too: from the record alone nobody knows it.
     """
@@ -272,7 +272,10 @@ def _errors_of_runs(plan: Plan, rows: Array) -> Errors:
         columns = []
         for name, size in noise.items():
             y, struck = np.split(np.array([run[name] for run in runs]), [len(sides) + 1])
-            shifted = [np.gradient(y[-1], t), np.full(len(t), float(name == "position"))]
+            shifted = [
+                np.gradient(y[-1], t) * (rows[0] > 0),
+                np.full(len(t), float(name == "position")),
+            ]
             moved = (struck[:5] - struck[5:]) / (2.0 * h)
             by = np.array([*(y[:-1:2] - y[1::2]) / (2.0 * h), *shifted, *moved])
             columns.append(by[:, rows] / size)
