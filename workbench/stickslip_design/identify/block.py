@@ -224,14 +224,13 @@ class Fitted:
         sizes = zip(self.residual, self.motion.noise.values(), strict=True)
         return sum(math.log(float(np.mean(r * r)) * e**2) for r, e in sizes)
 
-    def figures(self, axis: Axis | None) -> Iterator[tuple[str, float, float]]:
-        """Yield what the fit tells of the axis: name, value, and standard deviation."""
-        named, motion = self.motion.figures(self.value, axis), self.motion
-        slopes = motion.derivatives(
-            lambda n: np.array([*motion.figures(n, axis).values()]), self.value
-        )
+    def figures(self, axis: Axis | None) -> dict[str, tuple[float, float]]:
+        """Return what the fit tells of the axis, by name: value, and standard deviation."""
+        motion, n = self.motion, self.value
+        slopes = motion.derivatives(lambda n: np.array([*motion.figures(n, axis).values()]), n)
         spread = np.sqrt(np.einsum("ij,jk,ik->i", slopes, self.covariance, slopes).clip(1e-300))
-        yield from zip(named, named.values(), spread.tolist(), strict=True)
+        pairs = zip(motion.figures(n, axis).items(), spread.tolist(), strict=True)
+        return {name: (value, deviation) for (name, value), deviation in pairs}
 
     def ends(self, value: float, deviation: float) -> tuple[float, float]:
         """Return the interval of 95 % of a value with a standard deviation."""

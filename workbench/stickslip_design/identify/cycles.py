@@ -56,6 +56,11 @@ class Run:
         """From cycle to cycle [s]."""
         return (self.highs[-1] - self.highs[0]) / (len(self.highs) - 1)
 
+    @property
+    def step(self) -> float:
+        """Between samples [s]."""
+        return float(np.median(np.diff(self.t)))
+
     def within(self, begin: float, end: float) -> Run:
         """Return the samples from one time to another."""
         run = self.at((self.t >= begin) & (self.t <= end))

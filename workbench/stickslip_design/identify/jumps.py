@@ -33,8 +33,8 @@ _FAR: Final = 10.0
 """Of the scatter of a column: a residual that is not its noise; coloured noise has six."""
 _NOTHING: Final = 0.25
 """Mean square of a residual, over its noise, that a solver's digits leave."""
-_SURELY: Final = 1e-6
-"""Chance of a drift, or a creep, that is none."""
+_SURELY, _DIFFERS = 1e-6, 1e-3
+"""Chance of a drift, or a creep, that is none; of feeds that differ."""
 _CLEARLY: Final = 4.0
 """Of Akaike's criterion: the better law."""
 _DRAWN: Final = 3000
@@ -92,14 +92,15 @@ def stick_slip(record: Record, axis: Axis | None = None) -> Identified:
     faults = dict.fromkeys(fault for one in fits for fault in _faults(one, record))
     if creeps:
         faults["the table creeps between its slips: friction is not of Coulomb's kind"] = None
-    figures = _figures(fits, axis)
+    figures = [one.figures(axis) for one in fits]
+    every = {name: np.array([own[name] for own in figures]).T for name in figures[0]}
     if len(fits) > 1 and not faults:
         motions = [one.motion.motion(one.value) for one in fits]
-        note, rival = _law_of_gaps(*figures["gap"], motions)
+        note, rival = _law_of_gaps(every["gap"], motions)
         notes, unknown = [*note, *notes], unknown | rival
-    if "friction.F_s" in {*figures} - {*unknown} and not (axis and (axis.along or axis.drive)):
+    if "friction.F_s" in {*every} - {*unknown} and not (axis and (axis.along or axis.drive)):
         notes.append("a constant force along the way, if there is one, is in the friction")
-    numbers = [_number(name, *figures[name], first) for name in figures if name not in unknown]
+    numbers = [_number(name, every[name], first) for name in every if name not in unknown]
     cycles, following = sum(len(one.motion.run.highs) for one in fits), ""
     if LOAD_UP in unknown.values():
         following = (
@@ -108,7 +109,7 @@ def stick_slip(record: Record, axis: Axis | None = None) -> Identified:
     elif numbers:
         widest = max(numbers, key=lambda number: number.width)
         following = f"{4 * cycles} cycles in place of {cycles} halve the interval of {widest.name}."
-    memory, step = first.estimate.memory, _step(first.motion.run.t)
+    memory, step = first.estimate.memory, first.motion.run.step
     lag, name = max(memory.samples // 2, 1), [*first.motion.noise][-1]
     slips = sum(len(run.lows) for run in runs)
     return Identified(
@@ -141,14 +142,10 @@ def _with(fits: list[Fitted], extras: tuple[str, ...]) -> tuple[list[Fitted], bo
     return wider, bool(chi2.sf(square, len(extras) * len(wider)) < _SURELY)
 
 
-def _step(t: Floats) -> float:
-    return float(np.median(np.diff(t)))
-
-
 def _faults(one: Fitted, record: Record) -> Iterator[str]:
     """Yield what a fit shows that the model has not, or where it tells nothing."""
     motion, t, own = one.motion, one.motion.run.t, noise_of(record, one.motion.run)
-    (begin, period, _), step = motion.rhythm(one.value), _step(one.motion.run.t)
+    (begin, period, _), step = motion.rhythm(one.value), motion.run.step
     if math.sqrt(motion.figures(one.value, None)["k/m"]) * step > _SPARSE:
         yield "the samples are too far apart to show a slip"
     if not one.ended:
@@ -172,24 +169,14 @@ def _faults(one: Fitted, record: Record) -> Iterator[str]:
             )
 
 
-def _figures(fits: Sequence[Fitted], axis: Axis | None) -> dict[str, tuple[Floats, Floats]]:
-    """Return values and standard deviations of what fits tell, by name, each of shape (fits,)."""
-    rows = [[(value, spread) for _, value, spread in one.figures(axis)] for one in fits]
-    names = fits[0].motion.figures(fits[0].value, axis)
-    return {
-        name: (own[0], own[1])
-        for name, own in zip(names, np.array(rows).T.swapaxes(0, 1), strict=True)
-    }
-
-
-def _number(name: str, own: Floats, spread: Floats, of: Fitted) -> Number:
-    """Return a number, the mean over runs, wider where they differ by more than chance."""
-    weight, why = spread**-2.0, _WHYS.get(name, "")
-    value, deviation = float(weight @ own / weight.sum()), float(weight.sum()) ** -0.5
-    if len(own) > 1:
-        scatter = float(weight @ (own - value) ** 2) / (len(own) - 1)
-        deviation *= max(1.0, math.sqrt(scatter))
-    low, high = of.ends(value, deviation)
+def _number(name: str, some: Floats, of: Fitted) -> Number:
+    """Return a number of values and deviations, shape (2, fits): their mean, or all."""
+    (own, spread), why = some, _WHYS.get(name, "")
+    weight = spread**-2.0
+    value = float(weight @ own / weight.sum())
+    low, high = of.ends(value, float(weight.sum()) ** -0.5)
+    if len(own) > 1 and chi2.sf(weight @ (own - value) ** 2, len(own) - 1) < _DIFFERS:
+        low, high, why = min(low, *own), max(high, *own), "it differs from feed to feed"
     if name in ("c/m", "axis.c"):
         # Friction brakes: below 0 noise alone has moved it.
         value, low, high = max(value, 0.0), max(low, 0.0), max(high, high - value, 0.0)
@@ -197,11 +184,9 @@ def _number(name: str, own: Floats, spread: Floats, of: Fitted) -> Number:
     return Number(name=name, meaning=meaning, unit=unit, value=value, low=low, high=high, why=why)
 
 
-def _law_of_gaps(
-    gap: Floats, spread: Floats, motions: list[Solution]
-) -> tuple[list[str], dict[str, str]]:
+def _law_of_gaps(some: Floats, motions: Sequence[Solution]) -> tuple[list[str], dict[str, str]]:
     """Say how the gap goes with the feed, by Akaike's criterion for few numbers; or why not."""
-    n, scores = len(gap), dict[str, float]()
+    (gap, spread), n, scores = some, len(motions), dict[str, float]()
     if n < 4:
         return [], {_AGES: "fewer than four feeds do not tell how the gap goes with them"}
     laws = {
