@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -11,11 +11,12 @@ from typing import TYPE_CHECKING, Any
 from stickslip.files import write
 from stickslip.results import Shown
 from stickslip.show.tables import identified_summary
-from stickslip_design.axis import AxisFile, AxisSource, read_axis_file
-from stickslip_design.identify import plots, report, study
+from stickslip_design.axis import AxisFile, AxisSource, axis_file_of, read_axis_file
+from stickslip_design.identify import report, study
 from stickslip_design.identify.axis_text import axis_of, written
 from stickslip_design.identify.model import Floats, Identified
 from stickslip_design.identify.read import read_record, record_of
+from stickslip_design.report.page import drawn, plain, rendered
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -28,11 +29,15 @@ class Identification(Shown):
 
     found: Identified
     source: str
-    file: AxisFile | None = None
+    file: AxisFile
 
     def __repr__(self) -> str:
-        known = ", ".join(each.name for each in self.found.numbers if each.identified) or "nothing"
-        return f"<Identification of {self.source}, {self.found.kind}: {known}>"
+        return f"<Identification of {self.source}, {self.found.kind}: {', '.join(self.known)}>"
+
+    @property
+    def known(self) -> list[str]:
+        """The names of the numbers that are identified."""
+        return [each.name for each in self.found.numbers if each.identified]
 
     @cached_property
     def axis_text(self) -> str:
@@ -42,8 +47,7 @@ class Identification(Shown):
     @cached_property
     def sentence(self) -> str:
         """What the axis does with these numbers, and what ends that; or what is missing."""
-        name, folder = (self.file.name, self.file.folder) if self.file else ("axis.toml", None)
-        said = report.sentence(self.axis_text, name, folder)
+        said = report.sentence(axis_file_of(self.axis_text, self.file.name, self.file.folder))
         return f"{said}{' But the model does not explain the record.' * (not self.found.explained)}"
 
     def table(self) -> RenderableType:
@@ -52,15 +56,23 @@ class Identification(Shown):
 
     def to_dict(self) -> dict[str, Any]:
         """Return numbers, intervals and findings [SI] as JSON knows them, without the samples."""
-        return report.data(self.found, self.source, self.sentence)
+        said = {"record": self.source, "sentence": self.sentence, "known": self.known}
+        return {**said, "explained": self.found.explained, **plain(replace(self.found, traces=()))}
 
     def html(self) -> str:
         """Return the report as a page that asks for nothing outside itself."""
-        return report.html(self.found, self.source, self.sentence)
+        friction = report.friction(self.found)
+        return rendered(
+            "identified.html.j2",
+            said=self,
+            report=report,
+            courses=drawn(self.plot(), "record", "The record, the fit, and what it leaves"),
+            friction=drawn(friction, "friction", "Friction over the speed"),
+        )
 
     def plot(self) -> Figure:
         """Draw the record with its parts, the fit over it, and what the fit leaves."""
-        return plots.courses(self.found)
+        return report.courses(self.found)
 
     def report(self, file: Path | str) -> Path:
         """Write the report, and return its path."""
@@ -97,15 +109,13 @@ def identify(
     ValueError
         If record or axis cannot be used, in one line.
     """
-    file = None if axis is None else read_axis_file(axis)
-    known = None if file is None else axis_of(file)
+    file = read_axis_file(axis or {})
+    known = axis_of(file) if axis else None
     if isinstance(record, Mapping):
         source, samples = "the record", record_of(record, known)
     else:
         source, samples = Path(record).name, read_record(record, columns, known)
-    drive = known.drive if known else None
     try:
-        found = study.identify(samples, known)
+        return Identification(study.identify(samples, known), source, file)
     except ValueError as error:
         raise ValueError(f"{source}: {error}") from None
-    return Identification(report.scaled(found, samples.force_spread, drive), source, file)

@@ -1,7 +1,6 @@
 """`stickslip identify`: from a record of a drive or a pull test to the numbers of an axis."""
 
 from collections.abc import Mapping
-from contextlib import suppress
 from pathlib import Path
 
 from stickslip.commands.expanded import command
@@ -26,14 +25,13 @@ def identify(
     from stickslip import files
     from stickslip.identified import identify as identified
     from stickslip.progress import meter
-    from stickslip_design.axis import AxisError, axis_file_of
 
     report = output or Path(record.with_suffix(".html").name)
     asked = {"--output": report, "--write": write, "--json": json}
     targets = {option: target for option, target in asked.items() if target}
     taken = [each.resolve() for each in (record, axis) if each]
     for option, target in targets.items():
-        if target.resolve() in taken or (option == "--write" and target.exists()):
+        if target.resolve() in taken or (target == write and target.exists()):
             raise CommandError(f"{option} {target}: that is another file; name a new one")
         files.check_writable(target, option)
         taken.append(target.resolve())
@@ -45,6 +43,4 @@ def identify(
     console().print(found.table())
     print("report:", ", ".join(map(str, targets.values())))
     if write:
-        with suppress(AxisError):
-            axis_file_of(found.axis_text, str(write), write.parent).axis()
-            print(f"next: stickslip design {write}")
+        print(f"next: stickslip design {write}")

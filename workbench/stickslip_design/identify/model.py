@@ -64,9 +64,14 @@ class Number:
         return "N" in self.unit or self.unit == "kg"
 
     @property
+    def half(self) -> float:
+        """Half the width of the interval."""
+        return 0.5 * (self.high - self.low)
+
+    @property
     def width(self) -> float:
         """Half the interval over the value, relative."""
-        return 0.5 * (self.high - self.low) / abs(self.value) if self.value else math.inf
+        return self.half / abs(self.value) if self.value else math.inf
 
     @property
     def identified(self) -> bool:

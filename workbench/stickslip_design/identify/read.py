@@ -15,17 +15,17 @@ import stickslip_score as score
 from stickslip_score import CurveError
 from stickslip_units import told
 
-from ..axis import Axis, Drive
+from ..axis import Axis
 from .model import Floats, Record
 
 _OFF: Final = 0.01
 """A step of time that is off the median by more than this part of it is not even."""
-_GAP: Final = 1.5
-"""A step of time that is longer than so many medians is a gap."""
 
 _FILE: Final = tomllib.loads(Path(__file__).with_name("columns.toml").read_text(encoding="utf-8"))
 _UNITS: Final = {**score.UNITS, **_FILE["units"]}
 _AT_SLIDE: Final = ("t", "position", "command", "velocity", "force")
+_OF_DRIVE: Final = _FILE["of_drive"]
+_KINDS: Final = {unit: kind for kind in _OF_DRIVE for unit in _FILE["units"][kind]}
 
 
 def read_record(
@@ -67,16 +67,24 @@ def _record(
 ) -> Record:
     """Make a record of columns as printed, with their units and the sizes of those."""
     score.check_samples(printed)
-    source = next((name for name in ("force", "torque", "current") if name in printed), "")
     notes = [f"{name} has no unit: it was taken in SI" for name in units if not units[name]]
-    spread, drive = 0.0, axis.drive if axis else None
-    if source in ("torque", "current"):
-        factor, by, spread = _to_force(source, units[source], axis)
-        printed["force"], sizes["force"] = printed[source], sizes[source] * factor
-        scales = f"; its ± of {100.0 * spread:.3g} % scales mass and all forces" if spread else ""
-        notes.append(f"motor {source} was turned into force by {by}{scales}")
-    if units.get("velocity") in _UNITS["motor_speed"]:
-        sizes["velocity"] *= _drive("velocity", axis).pitch / (2.0 * math.pi)
+    drive, spread = axis.drive if axis else None, 0.0
+    for name, unit in units.items():
+        kind = _KINDS.get(unit, name)
+        if kind not in _OF_DRIVE:
+            continue
+        key = _OF_DRIVE[kind]
+        value = getattr(drive, key, None)
+        if axis is None or drive is None or value is None:
+            raise CurveError(f"{name} of the motor: drive.{key} of an axis file takes it to SI")
+        radius = drive.pitch / (2.0 * math.pi)
+        factor = {"motor_speed": radius, "torque": 1.0 / radius}.get(kind, value / radius)
+        to = "velocity" if kind == "motor_speed" else "force"
+        printed[to], sizes[to] = printed[name], sizes[name] * factor
+        notes.append(f"{name} of the motor was turned into {to} at the slide by drive.{key}")
+        if f"drive.{key}" in axis.spread:
+            spread = axis.spread[f"drive.{key}"] / value
+            notes.append(f"drive.{key}: its ± of {100.0 * spread:.3g} % scales mass and all forces")
     if drive and not drive.on_table and "position" in printed:
         notes.append("the position is that of the motor, as drive.position says")
     at_slide: dict[str, Floats] = {name: printed[name] for name in _AT_SLIDE if name in printed}
@@ -86,39 +94,15 @@ def _record(
     return Record(**found, rounding=rounding, force_spread=spread, notes=tuple(notes))
 
 
-def _drive(what: str, axis: Axis | None) -> Drive:
-    """Return the drive that takes a quantity of the motor to the slide; CurveError without."""
-    if axis is None or axis.drive is None:
-        raise CurveError(f"{what} of the motor: an axis file with a drive takes it to the slide")
-    return axis.drive
-
-
-def _to_force(source: str, unit: str, axis: Axis | None) -> tuple[float, str, float]:
-    """Return force at the slide per torque or current, what it is by, and its relative ±."""
-    drive, spread = _drive(source, axis), axis.spread if axis else {}
-    per_turn = 2.0 * math.pi / drive.pitch
-    way = f"{told(drive.pitch, 'm')} per turn"
-    if source == "torque" and unit != "%":
-        return per_turn, way, 0.0
-    key, of = ("rated_torque", "N m") if source == "torque" else ("torque_constant", "N m/A")
-    value = getattr(drive, key)
-    if value is None:
-        raise CurveError(f"{source} of the motor: drive.{key} in the axis file takes it to force")
-    by = f"drive.{key} = {value:.6g} {of} and {way}"
-    return value * per_turn, by, spread.get(f"drive.{key}", 0.0) / value
-
-
 def _uneven(t: Floats, rounding: float) -> Iterator[str]:
-    """Yield what is not even in times [s], as notes; within their digits it is."""
+    """Yield what is not even in times [s], as a note; within their digits it is."""
     # Even times as printed have steps that differ by a unit of their last digit.
-    steps, digits = np.diff(t), 2.02 * rounding
-    step = float(np.median(steps))
-    if share := float(np.mean(np.abs(steps - step) > max(_OFF * step, digits))):
-        yield f"{100.0 * share:.2g} % of the steps of time are off {told(step, 's')} by above 1 %"
-    gaps = np.flatnonzero(steps > max(_GAP * step, step + digits))
-    if gaps.size:
-        longest, lost = int(np.argmax(steps)), np.sum(np.round(steps[gaps] / step) - 1.0)
+    steps = np.diff(t)
+    step, longest = float(np.median(steps)), int(np.argmax(steps))
+    if share := float(np.mean(np.abs(steps - step) > max(_OFF * step, 2.02 * rounding))):
+        lost = np.sum(np.round(steps / step) - 1.0)
         yield (
-            f"gaps of time: {gaps.size}, the longest of {told(steps[longest], 's')} at t = "
-            f"{t[longest]:.6g} s; {lost:.0f} samples are missing in all"
+            f"{100.0 * share:.2g} % of the steps of time are off {told(step, 's')} by above 1 %; "
+            f"the longest is {told(steps[longest], 's')}, at t = {t[longest]:.6g} s; {lost:.0f} "
+            "samples are missing in all"
         )

@@ -1,58 +1,38 @@
-"""What a record tells, as a page, in words, and as plain data; and what the axis then does."""
+"""What a record tells, in words and in pictures; and what the axis then does."""
 
 from __future__ import annotations
 
-import math
-from dataclasses import replace
-from pathlib import Path
-from typing import Any, Final
+from typing import Final
 
-from stickslip_units import scale_for, told
+import matplotlib as mpl
+import numpy as np
+from matplotlib.figure import Figure
+from matplotlib.ticker import EngFormatter
 
-from ..axis import AxisError, Drive, axis_file_of
-from ..report.page import drawn, plain, rendered
+from stickslip_units import scale_for, scale_of, told
+from stickslip_verification.report.svg import BLUE, GREY, INK, ORANGE, STYLE
+
+from ..axis import AxisError, AxisFile
+from ..report.plots import LETTERS, NARROW, WIDE
 from ..report.tables import Grid
 from ..study import design
-from ..verdict import Robustness, feed_in_words, judder
-from . import plots
+from ..verdict import feed_in_words, judder
 from .axis_text import shown
-from .model import Identified, Number
+from .model import Identified
 
-FORMAT: Final = 1
-"""Rises where a key changes its meaning or goes."""
-
-
-def scaled(found: Identified, spread: float, drive: Drive | None = None) -> Identified:
-    """Return what a record tells with the ± of the scale of its force [-] in its forces and masses.
-
-    It counts with what the motor itself took. Both parts of an interval are independent: their
-    squares add up.
-    """
-    own = dict.fromkeys(("axis.c", "c forward", "c backward"), drive.d) if drive else {}
-    own |= {"axis.mass": drive.inertia, "friction.F_k": drive.dry} if drive else {}
-
-    def wider(number: Number) -> Number:
-        part = spread * (abs(number.value) + own.get(number.name, 0.0))
-        if not part or not number.scales:
-            return number
-        below, above = (math.hypot(end - number.value, part) for end in (number.low, number.high))
-        why = [number.why] * bool(number.why) + [f"± {100.0 * spread:.2g} % of the force's scale"]
-        low, high = number.value - below, number.value + above
-        return replace(number, low=low, high=high, why="; ".join(why))
-
-    return replace(found, numbers=tuple(map(wider, found.numbers)))
+_GAP: Final = 5.0
+"""Steps of time that are longer than so many others are gaps."""
 
 
 def numbers(found: Identified) -> Grid:
-    """Return the numbers with their intervals; the last column says what these come from."""
+    """Return the numbers with their intervals."""
     rows = []
-    for each in found.numbers:
-        half = 0.5 * (each.high - each.low)
-        *ends, _, unit = shown(each.unit, half, each.value, each.low, each.high)
-        value, *ends = (end.replace("-", "\N{MINUS SIGN}").replace("inf", "∞") for end in ends)
-        width = f"{100.0 * each.width:.2g} %" if each.identified else "not identified"
-        rows.append((each.name, each.meaning, f"{value} {unit}".strip(), *ends, width, each.why))
-    head = ("number", "what it is", "value", "from", "to", "±", "why so wide")
+    for one in found.numbers:
+        cells = shown(one.unit, one.half, one.value, one.low, one.high)
+        value, low, high, unit = (cell.replace("-", "−").replace("inf", "∞") for cell in cells)
+        width = f"{100.0 * one.width:.2g} %" if one.identified else "not identified"
+        rows.append((one.name, one.meaning, f"{value} {unit}".strip(), low, high, width))
+    head = ("number", "what it is", "value", "from", "to", "±")
     return Grid(head, rows, frozenset({2, 3, 4, 5}))
 
 
@@ -67,69 +47,84 @@ def explains(found: Identified) -> str:
     return f"The model explains the record: it leaves noise of {scale.told(left.rms)}, {memory}."
 
 
-def sentence(text: str, name: str, folder: Path | None = None) -> str:
+def sentence(file: AxisFile) -> str:
     """Return in a sentence what the axis of a file does, and what ends that; or what is missing.
 
-    Shares are of 64 machines within the ± of the file, each value in it as likely as another.
+    Shares are of 64 machines within the ± of the file, each value in it as likely as another. Of
+    the measures it is the one that ends it most surely, and of those the one of least effort.
     """
     try:
-        verdict = design(axis_file_of(text, name, folder))
+        verdict = design(file)
     except AxisError as error:
         return f"These numbers are not enough for a verdict: {error.key} {error.reason}."
-    worst, usual = judder(verdict.points), verdict.varied_by_default
-    if verdict.robustness is None or not verdict.stable:
+    worst, robustness = judder(verdict.points), verdict.robustness
+    if robustness is None or not verdict.stable:
         return verdict.sentence
-    clean, within = _clean(verdict.robustness), "of what their ± allow"
-    within += f" (of {', '.join(usual)} the usual ±)" if usual else ""
+    even, within = 100 * robustness.clean // robustness.machines, "of machines within their ±"
     if worst is None:
-        return f"With these numbers the axis moves evenly at its feeds in {clean} % {within}."
-    others = " or another of its feeds" * (len(verdict.points) > 1)
-    enough = [one for one in verdict.measures if one.enough and one.effort != "program"]
-    surest = sorted(enough, key=lambda one: -_clean(one.robustness))
-    ends = [
-        f"{one.name} ({one.effort}) ends that in {_clean(one.robustness)} %"
-        for one in dict.fromkeys((*enough[:1], *surest[:1]))
+        return f"With these numbers the axis moves evenly at its feeds in {even} % {within}."
+    enough = [
+        (100 * found.clean // found.machines, f"{one.name} ({one.effort})")
+        for one in verdict.measures
+        if one.effort != "program" and (found := one.robustness)
     ]
+    share, name = max(enough, key=lambda one: one[0], default=(0, "no measure of the catalogue"))
+    others = " or another of its feeds" * (len(verdict.points) > 1)
     return (
         f"With these numbers the axis {'jumps' if worst.jumps else 'swings'} at "
-        f"{feed_in_words(worst.feed)}{others} in {100 - clean} % {within}; "
-        f"{', '.join(ends) or 'no measure of the catalogue ends that'}."
+        f"{feed_in_words(worst.feed)}{others} in {100 - even} % {within}; {name} ends that"
+        f"{f' in {share} %' * bool(enough)}."
     )
 
 
-def _clean(found: Robustness | None) -> int:
-    return 100 * found.clean // found.machines if found else 0
+def courses(found: Identified) -> Figure:
+    """Draw each trace of the record with segments marked, the fit over it, and what is left."""
+    rows, first = len(found.traces), {name: begin for begin, _, name in found.segments[::-1]}
+    colours = mpl.colormaps["rainbow"](np.linspace(0.0, 1.0, len(first)))
+    tones = dict(zip(first, colours, strict=True))
+    with mpl.rc_context(STYLE):
+        page = Figure(figsize=(WIDE, 1.2 + 1.4 * rows), layout="constrained")
+        panels = page.subplots(2 * rows, sharex=True, height_ratios=[3.0, 1.2] * rows)
+        for trace, main, rest in zip(found.traces, panels[::2], panels[1::2], strict=True):
+            # A line ends where samples are left out.
+            steps = np.diff(trace.t, append=trace.t[-1])
+            t = np.where(steps > _GAP * np.median(steps), np.nan, trace.t)
+            main.plot(t, trace.measured, color=GREY, lw=1.6, label="measured")
+            main.plot(t, trace.fitted, color=BLUE, lw=0.9, label="fit")
+            rest.plot(t, trace.measured - trace.fitted, color=ORANGE, lw=0.7)
+            main.set(ylabel=trace.name, xlim=(trace.t[0], trace.t[-1]))
+            rest.set(ylabel="residual")
+            for on in (main, rest):
+                on.yaxis.set_major_formatter(EngFormatter(trace.unit))
+        for on in panels:
+            for begin, end, name in found.segments:
+                label = name if begin == first[name] else None
+                on.axvspan(begin, end, color=tones[name], alpha=0.2, lw=0.0, zorder=0, label=label)
+        page.align_ylabels()
+        panels[-1].set_xlabel("time  [s]", loc="right", labelpad=1.0)
+        looks = panels[0].get_legend_handles_labels()
+        page.legend(*looks, loc="outside upper left", ncols=5, fontsize=LETTERS, handlelength=1.4)
+    return page
 
 
-def html(found: Identified, source: str, then: str) -> str:
-    """Return the page of a record by its name: the first on paper (A4) for a meeting, the rest.
-
-    `then` is the sentence on the axis. The same gives the same text.
-    """
-    table = numbers(found)
-    return rendered(
-        "identified.html.j2",
-        found=found,
-        source=source,
-        then=then,
-        explains=explains(found),
-        numbers=table.of(*range(6)),
-        widths=[row for row in table.rows if row[-1]],
-        courses=drawn(plots.courses(found), "record", "The record, the fit, and what it leaves"),
-        friction=drawn(plots.friction(found), "friction", "Friction over the speed"),
-    )
-
-
-def data(found: Identified, source: str, then: str) -> dict[str, Any]:
-    """Return what a record tells as what JSON knows [SI]; without its samples."""
-    return {
-        "format": FORMAT,
-        "record": source,
-        "sentence": then,
-        "explained": found.explained,
-        **plain(replace(found, traces=())),
-        "numbers": [
-            plain(each) | {"width": plain(each.width), "identified": each.identified}
-            for each in found.numbers
-        ],
-    }
+def friction(found: Identified) -> Figure | None:
+    """Draw friction over the speed with its band, and the law that explains it best."""
+    curve, slow = found.curve, scale_of("m/s")
+    if curve is None:
+        return None
+    with mpl.rc_context(STYLE):
+        page = Figure(figsize=(NARROW, 1.9), layout="constrained")
+        on = page.subplots()
+        # No line goes from one direction to the other.
+        between = np.searchsorted(curve.speed, 0.0)
+        columns = (curve.speed / slow.size, curve.force, curve.band, curve.fitted)
+        u, F, half, fitted = (np.insert(column, between, np.nan) for column in columns)
+        on.fill_between(u, F - half, F + half, color="#b9d6e8", lw=0.0)
+        on.plot(u, F, "o", color=INK, ms=2.2, label="measured, 95 %")
+        on.plot(u, fitted, color=BLUE, lw=1.2, label="best law")
+        on.axhline(0.0, color=GREY, lw=0.6)
+        on.set_xlabel(slow.label("speed "), loc="right", labelpad=1.0)
+        on.set_ylabel("friction")
+        on.yaxis.set_major_formatter(EngFormatter("N"))
+        on.legend(loc="upper left", fontsize=LETTERS, handlelength=1.4)
+    return page

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from contextlib import suppress
 from dataclasses import replace
@@ -12,22 +13,14 @@ import numpy as np
 from ..axis import Axis
 from .excitation import driven
 from .jumps import stick_slip
-from .model import Identified, Record
+from .model import Identified, Number, Record
 
-_MOST_MU, _LEAST_MU, _HEAVIEST = 2.0, 1e-4, 1e5
-"""Coefficients of friction that no guideway has, and more than any table [kg]."""
-_SPIKE: Final = 20.0
-"""The greatest force, over that of all but one in a thousand samples, that is a disturbance."""
-_OTHER: Final = 3.0
-"""A mass, or a way, so many times what is stated, or its part, is in another unit."""
 _NEXT: Final = {
-    "axis.mass": "accelerate twice as hard, or four times as often",
-    "axis.c": "run at twice the speed, or four times as long",
-    "c forward": "run forward at twice the speed, or four times as long",
-    "c backward": "run backward at twice the speed, or four times as long",
-    "friction.F_k": "run slowly, in both directions, four times as long",
-    "axis.force_along": "run the same feeds in both directions four times as long",
+    "kg": "accelerate twice as hard, or four times as often",
+    "N.s/m": "run at twice the speed, or four times as long",
+    "N": "run slowly in both directions, four times as long",
 }
+"""What halves the interval of a number, by its unit."""
 
 
 def identify(record: Record, axis: Axis | None = None) -> Identified:
@@ -35,58 +28,60 @@ def identify(record: Record, axis: Axis | None = None) -> Identified:
 
     `axis` states the drive, what is known of the table, gravity; without it the drive is rigid.
     """
-    if axis is not None and axis.turns:
-        raise ValueError("a rotary table is not identified: records are of a slide, in m and N")
     found = None
     with suppress(ArithmeticError, ValueError, np.linalg.LinAlgError):
         found = stick_slip(record, axis)
     found = found or driven(record, axis)
-    # Of a constant force that may be none the width says nothing.
-    widths = [
-        (one.width if one.low * one.high > 0.0 else 0.0, one.meaning, _NEXT[one.name])
-        for one in found.numbers
-        if one.name in _NEXT
-    ]
-    advice = ""
-    if widths:
-        _, widest, remedy = max(widths, key=lambda one: one[0])
-        advice = f"The widest interval is that of {widest}; to halve it, {remedy}."
+    advice = found.next_measurement
+    # Of a force that may be none the width says nothing.
+    sure = [one for one in found.numbers if one.low * one.high > 0.0 and one.unit in _NEXT]
+    if sure and not advice:
+        widest = max(sure, key=lambda one: one.width)
+        advice = f"The widest interval is that of {widest.meaning}; to halve it, "
+        advice += f"{_NEXT[widest.unit]}."
     faults = (*found.residual.faults, *_implausible(found, record, axis))
     return replace(
         found,
+        numbers=tuple(_scaled(one, record.force_spread, axis) for one in found.numbers),
         residual=replace(found.residual, faults=faults),
         notes=(*record.notes, *found.notes),
-        next_measurement=found.next_measurement or advice,
+        next_measurement=advice,
     )
+
+
+def _scaled(number: Number, spread: float, axis: Axis | None) -> Number:
+    """Return a number with the ± of the scale of the force [-] in its interval.
+
+    It counts with what the motor itself took. Both parts are independent: their squares add up.
+    """
+    drive = axis.drive if axis else None
+    own = {"kg": drive.inertia, "N.s/m": drive.d, "N": drive.dry} if drive else {}
+    part = spread * (abs(number.value) + own.get(number.unit, 0.0))
+    if not part or not number.scales:
+        return number
+    below, above = (math.hypot(end - number.value, part) for end in (number.low, number.high))
+    why = "; ".join(filter(None, (number.why, f"± {100.0 * spread:.2g} % of the force's scale")))
+    return replace(number, low=number.value - below, high=number.value + above, why=why)
 
 
 def _implausible(found: Identified, record: Record, axis: Axis | None) -> Iterator[str]:
     """Yield what no feed axis has: a unit is likely wrong."""
-    known = {number.name: number for number in found.numbers if number.identified}
-    ratios = []
+    known = {number.name: number.value for number in found.numbers if number.identified}
+    stated, g, load = (axis.m, axis.g, axis.load) if axis else (math.nan, 9.81, 0.0)
+    m, F_k = known.get("axis.mass", stated), known.get("friction.F_k", math.nan)
+    rows = [
+        ("a mass of {:.3g} kg", m, 0.0, 1e5),
+        ("a mass {:.2g} times that of the axis file", m / stated, 1.0 / 3.0, 3.0),
+        ("kinetic friction of {:.3g} N", F_k, 0.0, math.inf),
+        ("a coefficient of friction of {:.2g}", F_k / (m * g + load), 1e-4, 2.0),
+    ]
     if record.command is not None and record.position is not None and np.ptp(record.command):
         ratio = float(np.ptp(record.position) / np.ptp(record.command))
-        ratios.append(("the way is {:.3g} times the commanded one", ratio))
-    mass, rubs = axis.m if axis else None, known.get("friction.F_k")
-    if "axis.mass" in known:
-        mass = known["axis.mass"].value
-        if axis:
-            ratios.append(("a mass {:.2g} times that of the axis file", mass / axis.m))
-    for words, ratio in ratios:
-        if not 1.0 / _OTHER < ratio < _OTHER:
-            yield f"{words.format(ratio)} (is a unit wrong?)"
-    load, g = (axis.load, axis.g) if axis else (0.0, 9.81)
-    if mass is not None and rubs:
-        mu = rubs.value / (mass * g + load)
-        if not _LEAST_MU < mu < _MOST_MU:
-            yield f"a coefficient of friction of {mu:.2g} (is a unit wrong?)"
-    if any(known[name].high < 0.0 for name in ("axis.mass", "friction.F_k") if name in known):
-        yield "mass or friction is negative (is a sign wrong?)"
+        rows.append(("the way is {:.3g} times the commanded one", ratio, 1.0 / 3.0, 3.0))
     if record.force is not None:
         size = np.abs(record.force)
-        worst, usual = int(np.argmax(size)), float(np.quantile(size, 0.999))
-        if size[worst] > _SPIKE * usual:
-            at = f"{size[worst]:.3g} N at {record.t[worst]:.6g} s"
-            yield f"a force of {at}, beside {usual:.3g} N (is that sample disturbed?)"
-    if mass is not None and mass > _HEAVIEST:
-        yield f"a mass of {1e-3 * mass:.3g} t (is a unit wrong?)"
+        words = f"the force at {record.t[np.argmax(size)]:.6g} s is {{:.3g}} times that of 99.9 %"
+        rows.append((words, float(size.max() / (np.quantile(size, 0.999) or 1e-300)), 0.0, 20.0))
+    for words, value, low, high in rows:
+        if value <= low or value >= high:
+            yield f"{words.format(value)} (is a unit, a sign or a sample wrong?)"
