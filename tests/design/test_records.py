@@ -8,7 +8,7 @@ import pytest
 
 from stickslip_design.axis import Axis, axis_file_of
 from stickslip_design.identify.model import Record
-from stickslip_design.identify.read import read_record, record_of
+from stickslip_design.identify.read import read_record
 from stickslip_score import CurveError
 
 STATED = """\
@@ -145,13 +145,13 @@ def test_turns_of_the_motor_become_the_speed_of_the_slide(tmp_path: Path) -> Non
 
 def test_arrays_and_a_file_make_the_same_record(tmp_path: Path) -> None:
     in_file = read(tmp_path, "t [s],position [m],current [A]\n" + rows(), SCREW)
-    of_arrays = record_of({"t": T, "position": X, "current": F}, SCREW)
+    of_arrays = read_record({"t": T, "position": X, "current": F}, axis=SCREW)
     assert of_arrays.notes == in_file.notes
     assert of_arrays.rounding == in_file.rounding
     assert of_arrays.force == pytest.approx(in_file.force)
     for columns in ({"position": X}, {"t": T, "x": X}, {"t": T, "force": F[1:]}):
         with pytest.raises(CurveError):
-            record_of(columns)
+            read_record(columns)
 
 
 def test_a_column_without_a_unit_and_a_position_of_the_motor_are_said(tmp_path: Path) -> None:
@@ -166,16 +166,16 @@ def test_a_column_without_a_unit_and_a_position_of_the_motor_are_said(tmp_path: 
 def test_jitter_and_gaps_are_said_and_digits_are_neither() -> None:
     t = 0.001 * np.arange(1000)
     lost = np.delete(t, [500, *range(700, 710)])
-    (off,) = record_of({"t": lost, "position": lost}).notes
+    (off,) = read_record({"t": lost, "position": lost}).notes
     assert off == (
         "0.2 % of the steps of time are off 1.00 ms by above 1 %; the longest is 11.0 ms, at t = "
         "0.699 s; 11 samples are missing in all"
     )
     jittering = t + 1e-4 * np.random.default_rng(1).random(t.size)
-    (note,) = record_of({"t": jittering, "position": t}).notes
+    (note,) = read_record({"t": jittering, "position": t}).notes
     assert "are off 1.00 ms by above 1 %" in note
     in_ms = np.round(0.00125 * np.arange(1000), 3)
-    assert record_of({"t": in_ms, "position": t}).notes == ()
+    assert read_record({"t": in_ms, "position": t}).notes == ()
 
 
 WITH_CURRENT = "t,position,current\n" + rows()

@@ -15,7 +15,7 @@ from stickslip_design.axis import AxisFile, AxisSource, axis_file_of, read_axis_
 from stickslip_design.identify import report, study
 from stickslip_design.identify.axis_text import axis_of, written
 from stickslip_design.identify.model import Floats, Identified
-from stickslip_design.identify.read import read_record, record_of
+from stickslip_design.identify.read import read_record
 from stickslip_design.report.page import drawn, plain, rendered
 
 if TYPE_CHECKING:
@@ -111,10 +111,8 @@ def identify(
     """
     file = read_axis_file(axis or {})
     known = axis_of(file) if axis else None
-    if isinstance(record, Mapping):
-        source, samples = "the record", record_of(record, known)
-    else:
-        source, samples = Path(record).name, read_record(record, columns, known)
+    source = "the record" if isinstance(record, Mapping) else Path(record).name
+    samples = read_record(record, columns, known)
     try:
         return Identification(study.identify(samples, known), source, file)
     except ValueError as error:

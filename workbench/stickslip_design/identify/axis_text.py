@@ -13,7 +13,7 @@ from stickslip_units import scale_for
 from ..axis import Axis, AxisError, AxisFile
 from ..axis import Number as Stated
 from ..axis.build import values_of
-from ..axis.keys import KEYS, LEAST, Key, place
+from ..axis.keys import KEYS, LEAST, place
 from .model import KNOWN, Identified
 
 _FROM: Final = "# from "
@@ -42,7 +42,10 @@ def written(found: Identified, file: AxisFile, source: str) -> str:
     said = [line for line in file.text.splitlines() if line.startswith(_FROM)]
     for path, (middle, half) in _intervals(found, file).items():
         if key := KEYS.get(path):
-            quantity = _quantity(key, middle, half)
+            low = max(middle - half, 0.0) if key.within is LEAST else middle - half
+            middle, half = 0.5 * (low + middle + half), 0.5 * (middle + half - low)
+            value, around, unit = shown(key.units[0], half, middle, half, digits=3)
+            quantity = f"{value} {unit} ± {around} {unit}".replace("  ", " ").strip()
             try:
                 values_of(key, path, quantity)
                 new[path] = quantity
@@ -74,6 +77,8 @@ def _intervals(found: Identified, file: AxisFile) -> dict[str, tuple[float, floa
     if not file.tables:
         return told
     axis, stated = axis_of(file), file.values
+    if "friction.curve" in stated:
+        told = {name: one for name, one in told.items() if not name.startswith("friction")}
     mass, around = told.get("axis.mass", (0.0, 0.0))
     if not 2.0 * around < KNOWN * mass:
         mass, around = axis.m, axis.spread.get("axis.mass", 0.0)
@@ -95,17 +100,7 @@ def _intervals(found: Identified, file: AxisFile) -> dict[str, tuple[float, floa
         names = f"friction.F_{which}", f"friction.mu_{which}"
         make(names[by_mu], names[not by_mu], 1.0 / normal if by_mu else normal)
         told.pop(names[not by_mu], None)
-    is_curve = "friction.curve" in stated
-    return {name: one for name, one in told.items() if not (is_curve and "friction" in name)}
-
-
-def _quantity(key: Key, middle: float, half: float) -> str:
-    """Return a number with its ±, as a file has it; of what cannot be below 0 the part above."""
-    low, high = middle - half, middle + half
-    low = max(low, 0.0) if key.within is LEAST else low
-    middle, half = 0.5 * (low + high), 0.5 * (high - low)
-    value, around, unit = shown(key.units[0], half, middle, half, digits=3)
-    return f"{value} {unit} ± {around} {unit}".replace("  ", " ").strip()
+    return told
 
 
 def shown(unit: str, half: float, *values: float, digits: int = 2) -> tuple[str, ...]:

@@ -29,34 +29,32 @@ _KINDS: Final = {unit: kind for kind in _OF_DRIVE for unit in _FILE["units"][kin
 
 
 def read_record(
-    path: Path | str, columns: Mapping[str, str] | None = None, axis: Axis | None = None
+    source: Path | str | Mapping[str, ArrayLike],
+    columns: Mapping[str, str] | None = None,
+    axis: Axis | None = None,
 ) -> Record:
-    """Read a record from a CSV file, as of `stickslip_score.read_columns`.
+    """Read a record from a CSV file, as of `stickslip_score.read_columns`, or of arrays in SI.
 
-    `columns` are names of columns by t, position, command, velocity, force, torque and current; a
-    name may carry the unit that the header lacks, ``"ActPos [mm]"``, and t may be a sample time,
-    ``"0.25 ms"``. `axis` turns torque, percent of its rated torque, and current into force.
-    `CurveError` names the file, line and column, and the reason.
+    Arrays, shape (n,), are called t, position, command, velocity, force, torque and current;
+    `columns` names columns of a file by these. A name may carry the unit that the header lacks,
+    ``"ActPos [mm]"``, and t may be a sample time, ``"0.25 ms"``. `axis` turns torque [N.m; percent
+    of its rated torque] and current [A] of the motor into force. `CurveError` names the file, line
+    and column, and the reason.
     """
+    names: Mapping[str, object] = source if isinstance(source, Mapping) else columns or {}
     quantities = score.quantities_of(_FILE["columns"], _UNITS, columns or {})
-    with score.refusing(path):
-        if unknown := (columns or {}).keys() - quantities:
+    with score.refusing("the record" if isinstance(source, Mapping) else source):
+        if unknown := names.keys() - quantities:
             raise CurveError(f"{min(unknown)} is none of {', '.join(quantities)}")
-        printed, units = score.read_columns(Path(path), quantities)
+        if not isinstance(source, Mapping):
+            printed, units = score.read_columns(Path(source), quantities)
+        elif "t" in source:
+            printed = {name: np.array(column, dtype=np.float64) for name, column in source.items()}
+            units = dict.fromkeys(printed, "SI")
+        else:
+            raise CurveError("the time, t, is missing")
         sizes = {name: quantities[name].units.get(unit, 1.0) for name, unit in units.items()}
         return _record(printed, units, sizes, axis)
-
-
-def record_of(columns: Mapping[str, ArrayLike], axis: Axis | None = None) -> Record:
-    """Make a record of arrays in SI units, shape (n,), by the names of `read_record`.
-
-    Torque and current are the motor's [N.m, A]. `CurveError` as of `stickslip_score.check_samples`,
-    for another name, and for what cannot be turned into force.
-    """
-    if "t" not in columns or columns.keys() - _FILE["columns"]:
-        raise CurveError(f"there must be t, and what is there one of {', '.join(_FILE['columns'])}")
-    printed = {name: np.array(column, dtype=np.float64) for name, column in columns.items()}
-    return _record(printed, dict.fromkeys(printed, "SI"), dict.fromkeys(printed, 1.0), axis)
 
 
 def _record(

@@ -60,21 +60,21 @@ def sentence(file: AxisFile) -> str:
     worst, robustness = judder(verdict.points), verdict.robustness
     if robustness is None or not verdict.stable:
         return verdict.sentence
-    even, within = 100 * robustness.clean // robustness.machines, "of machines within their ±"
-    if worst is None:
-        return f"With these numbers the axis moves evenly at its feeds in {even} % {within}."
+    does, share = "moves evenly at its feeds", 100 * robustness.clean // robustness.machines
+    if worst is not None:
+        others = " or another of its feeds" * (len(verdict.points) > 1)
+        does = f"{'jumps' if worst.jumps else 'swings'} at {feed_in_words(worst.feed)}{others}"
+        share = 100 - share
+    said = f"With these numbers the axis {does} in {share} % of machines within their ±"
     enough = [
-        (100 * found.clean // found.machines, f"{one.name} ({one.effort})")
+        (100 * found.clean // found.machines, f"{one.name} ({one.effort}) ends that in")
         for one in verdict.measures
         if one.effort != "program" and (found := one.robustness)
     ]
-    share, name = max(enough, key=lambda one: one[0], default=(0, "no measure of the catalogue"))
-    others = " or another of its feeds" * (len(verdict.points) > 1)
-    return (
-        f"With these numbers the axis {'jumps' if worst.jumps else 'swings'} at "
-        f"{feed_in_words(worst.feed)}{others} in {100 - even} % {within}; {name} ends that"
-        f"{f' in {share} %' * bool(enough)}."
-    )
+    if worst is None or not enough:
+        return f"{said}{'; no measure of the catalogue ends that' * (worst is not None)}."
+    share, name = max(enough, key=lambda one: one[0])
+    return f"{said}; {name} {share} %."
 
 
 def courses(found: Identified) -> Figure:
