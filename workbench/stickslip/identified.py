@@ -32,12 +32,7 @@ class Identification(Shown):
     file: AxisFile
 
     def __repr__(self) -> str:
-        return f"<Identification of {self.source}, {self.found.kind}: {', '.join(self.known)}>"
-
-    @property
-    def known(self) -> list[str]:
-        """The names of the numbers that are identified."""
-        return [each.name for each in self.found.numbers if each.identified]
+        return f"<Identification of {self.source}: {self.found.kind}>"
 
     @cached_property
     def axis_text(self) -> str:
@@ -56,7 +51,8 @@ class Identification(Shown):
 
     def to_dict(self) -> dict[str, Any]:
         """Return numbers, intervals and findings [SI] as JSON knows them, without the samples."""
-        said = {"record": self.source, "sentence": self.sentence, "known": self.known}
+        known = [each.name for each in self.found.numbers if each.identified]
+        said = {"record": self.source, "sentence": self.sentence, "known": known}
         return {**said, "explained": self.found.explained, **plain(replace(self.found, traces=()))}
 
     def html(self) -> str:

@@ -37,8 +37,7 @@ def identify(record: Record, axis: Axis | None = None) -> Identified:
     sure = [one for one in found.numbers if one.low * one.high > 0.0 and one.unit in _NEXT]
     if sure and not advice:
         widest = max(sure, key=lambda one: one.width)
-        advice = f"The widest interval is that of {widest.meaning}; to halve it, "
-        advice += f"{_NEXT[widest.unit]}."
+        advice = f"To halve the widest interval, of {widest.name}, {_NEXT[widest.unit]}."
     faults = (*found.residual.faults, *_implausible(found, record, axis))
     return replace(
         found,
@@ -60,8 +59,7 @@ def _scaled(number: Number, spread: float, axis: Axis | None) -> Number:
     if not part or not number.scales:
         return number
     below, above = (math.hypot(end - number.value, part) for end in (number.low, number.high))
-    why = "; ".join(filter(None, (number.why, f"± {100.0 * spread:.2g} % of the force's scale")))
-    return replace(number, low=number.value - below, high=number.value + above, why=why)
+    return replace(number, low=number.value - below, high=number.value + above)
 
 
 def _implausible(found: Identified, record: Record, axis: Axis | None) -> Iterator[str]:
