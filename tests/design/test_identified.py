@@ -27,7 +27,7 @@ from stickslip_design.axis import (
 )
 from stickslip_design.axis import Number as Stated
 from stickslip_design.identify.axis_text import axis_of, written
-from stickslip_design.identify.model import Curve, Identified, Number, Record, Residual, Trace
+from stickslip_design.identify.model import Identified, Number, Record, Trace
 from stickslip_design.identify.report import sentence
 from stickslip_design.identify.study import identify
 from stickslip_design.measures.moving import with_number
@@ -69,10 +69,12 @@ def told(values: dict[str, float], part: float = 0.02, **changes: Any) -> Identi
             for name, value in values.items()
         ),
         "missing": (("the stiffness", "the motion is too slow"),),
-        "residual": Residual(rms=1.0, unit="N", memory=0.0),
-        "traces": (Trace(name="position", unit="m", t=t, measured=off, fitted=way),) * 2,
+        "traces": (Trace(name="position", unit="m", at=t, measured=off, fitted=way),) * 2,
+        "noise": 1e-6,
         "segments": ((0.0, 10.0, "forward"), (10.0, 20.0, "back")),
-        "curve": Curve(speed=speed, force=force, band=0.1 * force**2, law="two", fitted=force),
+        "friction": Trace(
+            name="two", unit="N", at=speed, measured=force, band=0.1 * force**2, fitted=force
+        ),
         "next_measurement": "Measure at 1 mm/min.",
         **changes,
     })  # fmt: skip
@@ -289,11 +291,11 @@ def test_the_page_has_all_that_was_found_and_asks_for_nothing() -> None:
     for words in (
         "run.csv explained It jumps. Record excitation: the speed changes all the time",
         "axis.mass a number 512 kg 502 523 2 %",
-        "it leaves noise of 1.00 N, white. Next Measure at 1 mm/min.",
+        "it leaves noise of 1.00 µm, white. Next Measure at 1 mm/min.",
         "the stiffness: the motion is too slow",
     ):
         assert words in words_in(page)
-    faulty = replace(found, residual=replace(found.residual, faults=("it repeats",)), curve=None)
+    faulty = replace(found, faults=("it repeats",), friction=None)
     words = words_in(identified(faulty).html())
     assert "run.csv not explained" in words
     assert "The model does not explain the record: it repeats." in words
@@ -333,7 +335,7 @@ def test_the_summary_has_80_columns_and_says_what_is_not_identified() -> None:
         "axis.force_along −20 N −26 ∞ not identified a number",
         "axis.stiffness 40 N/µm 28 52 not identified a number",
         "cannot tell the stiffness: the motion is too slow",
-        "The model explains the record: it leaves noise of 1.00 N, white.",
+        "The model explains the record: it leaves noise of 1.00 µm, white.",
         "measure next: Measure at 1 mm/min. It jumps.",
     ):
         assert words in text

@@ -67,8 +67,8 @@ def test_steady_runs_tell_friction_over_the_speed_and_no_mass() -> None:
     fall = 30.0 * np.exp(-((np.abs(v) / 4e-3) ** 2))
     found = identify(Record(t=t, position=x, force=(90.0 + fall) * np.sign(v) + 800.0 * v + noise))
     assert found.kind == "steady runs"
-    assert found.curve is not None
-    assert "falls" in found.curve.law
+    assert found.friction is not None
+    assert "falls" in found.friction.name
     assert contains(found, {"friction.F_k": 90.0, "axis.c": 800.0, "axis.force_along": 0.0})
     assert "axis.mass" in dict(found.missing)
 
@@ -90,10 +90,10 @@ def test_a_force_that_is_clipped_tells_nothing_where_it_is() -> None:
     assert any("the force is clipped" in note for note in found.notes)
     # Measured behind the limit, with noise, it is no number that stands.
     noisy = identify(Record(t=T, position=X, force=clipped + NOISE[::-1]))
-    assert any("and no noise" in fault for fault in noisy.residual.faults)
+    assert any("and no noise" in fault for fault in noisy.faults)
 
 
 def test_a_sample_that_is_disturbed_is_said() -> None:
     force = FORCE + 1e6 * (np.arange(T.size) == 5000)
     found = identify(Record(t=T, position=X, force=force))
-    assert any("the force at 5 s is" in fault for fault in found.residual.faults)
+    assert any("the force at 5 s is" in fault for fault in found.faults)

@@ -116,7 +116,7 @@ def test_friction_of_another_kind_is_said() -> None:
     """Friction that falls with the speed leaves a shape in each cycle."""
     own = {"shape": 1.0, "v_s": 2e-3, "delta": 1.0}
     found = stick_slip(noisy(pulled(begin=3.0, law="stribeck", own=own), 5, 1e-5, 3e-3))
-    assert any("repeats from cycle to cycle" in fault for fault in found.residual.faults)
+    assert any("repeats from cycle to cycle" in fault for fault in found.faults)
 
 
 def test_only_slips_are_stick_slip() -> None:
@@ -144,7 +144,7 @@ def test_a_creep_between_slips_is_said() -> None:
     ends = [end for _, end, _ in plain.segments]
     creep = np.interp(record.t, ends, np.resize([-0.5, 0.5], len(ends)))
     creeping = replace(record, position=record.position + 5e-8 * creep)
-    assert any("creeps" in fault for fault in stick_slip(creeping).residual.faults)
+    assert any("creeps" in fault for fault in stick_slip(creeping).faults)
 
 
 def test_several_feeds_tell_how_the_gap_goes() -> None:

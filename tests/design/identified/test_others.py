@@ -33,8 +33,8 @@ def test_no_number_of_a_record_of_others_is_wrong_and_called_known() -> None:
 @pytest.mark.parametrize("name", ["tanh", "LuGre", "Stribeck"])
 def test_steady_runs_tell_viscous_friction_beside_friction_that_falls(name: str) -> None:
     result = identify(recorded(made("steady runs", name, np.random.default_rng(1))), None)
-    assert result.curve is not None
-    assert "falls" in result.curve.law
+    assert result.friction is not None
+    assert "falls" in result.friction.name
     for number in map(result.number, ("axis.c", "friction.F_k")):
         assert number.low <= TRUTH[number.name] <= number.high
         assert number.identified
@@ -43,7 +43,7 @@ def test_steady_runs_tell_viscous_friction_beside_friction_that_falls(name: str)
 @one_thread
 def test_friction_that_falls_near_rest_is_said_and_moves_no_number_of_an_excitation() -> None:
     result = identify(recorded(made("excitation", "LuGre", np.random.default_rng(2))), None)
-    assert "friction is bent near rest" in result.residual.faults
+    assert "friction is bent near rest" in result.faults
     for number in map(result.number, ("axis.mass", "axis.c", "friction.F_k")):
         assert number.low <= TRUTH[number.name] <= number.high
 
@@ -59,5 +59,5 @@ def test_a_twin_of_a_real_record_tells_its_numbers_and_that_its_directions_diffe
     assert result.number("c forward").high < result.number("c backward").low
     assert result.number("axis.force_along").low <= 0.2 <= result.number("axis.force_along").high
     assert any("direction" in note for note in result.notes)
-    assert result.residual.memory > 0.0
+    assert result.correlation[0] > 0.0
     assert "friction.F_s" in dict(result.missing)

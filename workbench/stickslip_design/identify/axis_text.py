@@ -52,7 +52,7 @@ def written(found: Identified, file: AxisFile, source: str) -> str:
             except AxisError:
                 said.append(f"# {path} is not stated: its interval is not in the range of the key")
     said.append(f"{_FROM}{source}, ± is half the interval of 95 %: {', '.join(new) or 'nothing'}")
-    said += [f"# the model does not explain it: {fault}" for fault in found.residual.faults]
+    said += [f"# the model does not explain it: {fault}" for fault in found.faults]
     said += [f"# it cannot tell {what}: {why}" for what, why in found.missing]
     gone = {place(KEYS[path].section, name) for path in new for name in KEYS[path].excludes}
     for key in KEYS.values():

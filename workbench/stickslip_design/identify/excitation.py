@@ -20,7 +20,7 @@ from scipy.ndimage import maximum_filter1d
 from ..axis import Axis
 from .evened import Columns, Even, Plateau, evened, filtered, low_pass, plateaus, scatter
 from .laws import Law, law_of
-from .model import Curve, Floats, Identified, Number, Record, Residual, Trace
+from .model import Floats, Identified, Number, Record, Trace
 from .noise import Estimate, Memory, least_squares
 
 _WHITENED: Final = 0.55
@@ -211,24 +211,20 @@ def driven(record: Record, axis: Axis | None) -> Identified:
         else "the table is accelerated and braked",
         numbers=tuple(_numbers(rows, law, others, axis)),
         missing=tuple(missing.items()),
-        residual=Residual(
-            rms=float(np.sqrt(np.mean(rows.best.residual**2))),
-            unit="N",
-            at=at,
-            memory=memory.samples * rows.step,
-            faults=(*others, *_faults(rows, law, curve, inside)),
-        ),
+        noise=float(np.sqrt(np.mean(rows.best.residual**2))),
+        correlation=at if memory.samples else (0.0, 0.0),
+        faults=(*others, *_faults(rows, law, curve, inside)),
         traces=(
             Trace(
                 name="force",
                 unit="N",
-                t=moved["t"][shown],
+                at=moved["t"][shown],
                 measured=moved["force"][shown],
                 fitted=rows.best.fitted[shown],
             ),
         ),
         segments=tuple(parts),
-        curve=curve,
+        friction=curve,
         notes=tuple(notes),
     )
 
@@ -412,7 +408,7 @@ def _others(rows: _Rows, axis: Axis | None) -> dict[str, Estimate]:
     return shown
 
 
-def _faults(rows: _Rows, law: Law, curve: Curve, inside: Memory) -> Iterator[str]:
+def _faults(rows: _Rows, law: Law, curve: Trace, inside: Memory) -> Iterator[str]:
     if rows.steady:
         worst, known = np.abs(law.estimate.residual).max(), np.sqrt(np.mean(curve.band**2))
         if worst > max(_OFF * np.ptp(rows.moved["force"]), 2.0 * known):
@@ -452,7 +448,7 @@ def _notes(rows: _Rows, at: tuple[float, float], of_motor: float) -> Iterator[st
     yield f"Force and derivatives are behind a low pass of {corner:.3g} Hz, forth and back."
 
 
-def _curve(rows: _Rows) -> tuple[Law, Curve, Memory]:
+def _curve(rows: _Rows) -> tuple[Law, Trace, Memory]:
     """Return friction over the speed, means of the force without the inertia, and its law.
 
     Of each steady run, else of parts of the speeds with as many samples; and the memory inside.
@@ -472,5 +468,12 @@ def _curve(rows: _Rows) -> tuple[Law, Curve, Memory]:
         [[found.number(n), found.deviation(n), found.reach(n)] for n in names]
     ).T
     law = law_of(speed, force, np.maximum(deviation, 1e-12 * float(np.max(np.abs(force)))))
-    drawn = Curve(speed=speed, force=force, band=band, law=law.words, fitted=law.estimate.fitted)
+    drawn = Trace(
+        name=law.words,
+        unit="N",
+        at=speed,
+        measured=force,
+        fitted=law.estimate.fitted,
+        band=band,
+    )
     return law, drawn, found.memory

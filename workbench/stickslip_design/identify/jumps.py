@@ -25,7 +25,7 @@ from .block import (
 )
 from .cycles import Run, runs_of
 from .looped import fitted_loop
-from .model import Floats, Identified, Number, Record, Residual, Trace
+from .model import Floats, Identified, Number, Record, Trace
 
 _SPARSE: Final = 1.0
 """Radians of the slip between two samples, above which it is not seen."""
@@ -117,13 +117,11 @@ def stick_slip(record: Record, axis: Axis | None = None) -> Identified:
         reason=f"the table rests and slips {slips} times while the command goes one way",
         numbers=tuple(numbers),
         missing=tuple(unknown.items()),
-        residual=Residual(
-            rms=max(one.motion.noise[name] for one in fits),
-            unit=_UNITS[name],
-            memory=memory.samples * step,
-            faults=tuple(faults),
-            at=(lag * step, float(memory.correlation[lag - 1])) if memory.samples else (0.0, 0.0),
-        ),
+        noise=max(one.motion.noise[name] for one in fits),
+        correlation=(lag * step, float(memory.correlation[lag - 1]))
+        if memory.samples
+        else (0.0, 0.0),
+        faults=tuple(faults),
         traces=tuple(_traces(record, fits)),
         notes=tuple(notes),
         next_measurement=following,
@@ -231,7 +229,7 @@ def _traces(record: Record, fits: Sequence[Fitted]) -> Iterator[Trace]:
         yield Trace(
             name=COLUMNS[name],
             unit=_UNITS[name],
-            t=t[every],
+            at=t[every],
             measured=measured,
             fitted=fitted[every],
         )

@@ -80,50 +80,20 @@ class Number:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Residual:
-    """What a fit leaves of a record."""
-
-    rms: float
-    """Its root mean square, in `unit`."""
-    unit: str
-    """"N" or "m"."""
-    memory: float
-    """Time after which it no longer knows itself [s]; 0: it is white."""
-    at: tuple[float, float] = (0.0, 0.0)
-    """A lag [s], and the correlation there [-]: what shows that it is not white."""
-    faults: tuple[str, ...] = ()
-    """What it shows that the model has not; empty: the model explains the record."""
-
-
-@dataclass(frozen=True, kw_only=True)
-class Curve:
-    """Friction over the speed, shape (n,): with its sign, the weight in it."""
-
-    speed: Floats
-    """Signed speeds [m/s], rising."""
-    force: Floats
-    """Friction [N]."""
-    band: Floats
-    """Half its interval of 95 % [N]."""
-    law: str
-    """The law that explains it best, in plain words."""
-    fitted: Floats
-    """Friction of that law [N]."""
-
-
-@dataclass(frozen=True, kw_only=True)
 class Trace:
-    """A column of the record over which the fit is drawn, shape (n,), at most some thousands."""
+    """Measured values and the fit over them, shape (n,), at most some thousands, SI."""
 
     name: str
-    """"force" or "position"."""
+    """"force" or "position"; of friction the law that explains it best, in words."""
     unit: str
     """"N" or "m"."""
-    t: Floats
-    """Time [s]."""
+    at: Floats
+    """Time [s], of friction signed speed [m/s]; rising."""
     measured: Floats
     fitted: Floats
     """What was measured; what the fit says, NaN where it says nothing."""
+    band: Floats = field(default_factory=lambda: np.zeros(0))
+    """Half the interval of 95 % of what was measured; empty: not told."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -136,12 +106,18 @@ class Identified:
     numbers: tuple[Number, ...]
     missing: tuple[tuple[str, str], ...]
     """What the record cannot tell, and why."""
-    residual: Residual
     traces: tuple[Trace, ...]
+    """Columns of the record over time."""
+    noise: float
+    """Root mean square of what the fit leaves of the last of them, in its unit."""
     segments: tuple[tuple[float, float, str], ...]
     """Parts of the record: begin and end [s], and what they are."""
-    curve: Curve | None = None
-    """Friction over the speed."""
+    correlation: tuple[float, float] = (0.0, 0.0)
+    """Where that is not white a lag [s], and the correlation there [-]."""
+    faults: tuple[str, ...] = ()
+    """What the record shows that the model has not; empty: the model explains it."""
+    friction: Trace | None = None
+    """Friction over the speed, with its sign, the weight in it."""
     notes: tuple[str, ...] = ()
     """What else was found, a sentence each: directions that differ, a zero that drifts."""
     next_measurement: str = ""
@@ -150,7 +126,7 @@ class Identified:
     @property
     def explained(self) -> bool:
         """Whether the model explains the record."""
-        return not self.residual.faults
+        return not self.faults
 
     def number(self, name: str) -> Number:
         """Return a number by its name; KeyError if it is not told."""

@@ -38,13 +38,12 @@ def numbers(found: Identified) -> Grid:
 
 def explains(found: Identified) -> str:
     """Return whether the model explains the record, and what the fit leaves of it."""
-    left = found.residual
-    if left.faults:
-        return f"The model does not explain the record: {'; '.join(left.faults)}."
-    lag, correlation = left.at
-    memory = f"its correlation is {correlation:.2f} at {told(lag, 's')}" if left.memory else "white"
-    scale = scale_for(left.rms, left.unit)
-    return f"The model explains the record: it leaves noise of {scale.told(left.rms)}, {memory}."
+    if found.faults:
+        return f"The model does not explain the record: {'; '.join(found.faults)}."
+    lag, correlation = found.correlation
+    memory = f"its correlation is {correlation:.2f} at {told(lag, 's')}" if lag else "white"
+    noise = scale_for(found.noise, found.traces[-1].unit).told(found.noise)
+    return f"The model explains the record: it leaves noise of {noise}, {memory}."
 
 
 def sentence(file: AxisFile) -> str:
@@ -87,12 +86,12 @@ def courses(found: Identified) -> Figure:
         panels = page.subplots(2 * rows, sharex=True, height_ratios=[3.0, 1.2] * rows)
         for trace, main, rest in zip(found.traces, panels[::2], panels[1::2], strict=True):
             # A line ends where samples are left out.
-            steps = np.diff(trace.t, append=trace.t[-1])
-            t = np.where(steps > _GAP * np.median(steps), np.nan, trace.t)
+            steps = np.diff(trace.at, append=trace.at[-1])
+            t = np.where(steps > _GAP * np.median(steps), np.nan, trace.at)
             main.plot(t, trace.measured, color=GREY, lw=1.6, label="measured")
             main.plot(t, trace.fitted, color=BLUE, lw=0.9, label="fit")
             rest.plot(t, trace.measured - trace.fitted, color=ORANGE, lw=0.7)
-            main.set(ylabel=trace.name, xlim=(trace.t[0], trace.t[-1]))
+            main.set(ylabel=trace.name, xlim=(trace.at[0], trace.at[-1]))
             rest.set(ylabel="residual")
             for on in (main, rest):
                 on.yaxis.set_major_formatter(EngFormatter(trace.unit))
@@ -109,15 +108,15 @@ def courses(found: Identified) -> Figure:
 
 def friction(found: Identified) -> Figure | None:
     """Draw friction over the speed with its band, and the law that explains it best."""
-    curve, slow = found.curve, scale_of("m/s")
+    curve, slow = found.friction, scale_of("m/s")
     if curve is None:
         return None
     with mpl.rc_context(STYLE):
         page = Figure(figsize=(NARROW, 1.9), layout="constrained")
         on = page.subplots()
         # No line goes from one direction to the other.
-        between = np.searchsorted(curve.speed, 0.0)
-        columns = (curve.speed / slow.size, curve.force, curve.band, curve.fitted)
+        between = np.searchsorted(curve.at, 0.0)
+        columns = (curve.at / slow.size, curve.measured, curve.band, curve.fitted)
         u, F, half, fitted = (np.insert(column, between, np.nan) for column in columns)
         on.fill_between(u, F - half, F + half, color="#b9d6e8", lw=0.0)
         on.plot(u, F, "o", color=INK, ms=2.2, label="measured, 95 %")

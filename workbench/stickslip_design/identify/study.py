@@ -38,11 +38,10 @@ def identify(record: Record, axis: Axis | None = None) -> Identified:
     if sure and not advice:
         widest = max(sure, key=lambda one: one.width)
         advice = f"To halve the widest interval, of {widest.name}, {_NEXT[widest.unit]}."
-    faults = (*found.residual.faults, *_implausible(found, record, axis))
     return replace(
         found,
         numbers=tuple(_scaled(one, record.force_spread, axis) for one in found.numbers),
-        residual=replace(found.residual, faults=faults),
+        faults=(*found.faults, *_implausible(found, record, axis)),
         notes=(*record.notes, *found.notes),
         next_measurement=advice,
     )
