@@ -90,15 +90,13 @@ def identify(
 
     Parameters
     ----------
-    record
-        A CSV file, docs/identify.md; or columns [SI], each of shape (n,), by name: ``t``,
-        ``position``, ``command``, ``velocity``, ``force``.
+    record, columns
+        A CSV file, and names of its columns where they are not guessed
+        (``{"position": "x [mm]"}``): docs/identify.md. Or arrays [SI], each of shape (n,), by name:
+        ``t``, ``position``, ``command``, ``velocity``, ``force``.
     axis
         The axis, as of `design`, whose friction may be missing. None: a rigid drive, of which
         nothing is known.
-    columns
-        Names of columns with the unit that a header lacks, by quantity
-        (``{"position": "x [mm]"}``); others are guessed.
 
     Raises
     ------

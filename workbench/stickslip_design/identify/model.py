@@ -130,7 +130,4 @@ class Identified:
 
     def number(self, name: str) -> Number:
         """Return a number by its name; KeyError if it is not told."""
-        for each in self.numbers:
-            if each.name == name:
-                return each
-        raise KeyError(name)
+        return {each.name: each for each in self.numbers}[name]

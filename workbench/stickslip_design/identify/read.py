@@ -23,7 +23,6 @@ _OFF: Final = 0.01
 
 _FILE: Final = tomllib.loads(Path(__file__).with_name("columns.toml").read_text(encoding="utf-8"))
 _UNITS: Final = {**score.UNITS, **_FILE["units"]}
-_AT_SLIDE: Final = ("t", "position", "command", "velocity", "force")
 _OF_DRIVE: Final = _FILE["of_drive"]
 _KINDS: Final = {unit: kind for kind in _OF_DRIVE for unit in _FILE["units"][kind]}
 
@@ -78,18 +77,17 @@ def _record(
         radius = drive.pitch / (2.0 * math.pi)
         factor = {"motor_speed": radius, "torque": 1.0 / radius}.get(kind, value / radius)
         to = "velocity" if kind == "motor_speed" else "force"
-        printed[to], sizes[to] = printed[name], sizes[name] * factor
+        printed[to], sizes[to] = printed.pop(name), sizes[name] * factor
         notes.append(f"{name} of the motor was turned into {to} at the slide by drive.{key}")
         if f"drive.{key}" in axis.spread:
             spread = axis.spread[f"drive.{key}"] / value
             notes.append(f"drive.{key}: its ± of {100.0 * spread:.3g} % scales mass and all forces")
     if drive and not drive.on_table and "position" in printed:
         notes.append("the position is that of the motor, as drive.position says")
-    at_slide: dict[str, Floats] = {name: printed[name] for name in _AT_SLIDE if name in printed}
-    found = {name: column * sizes[name] for name, column in at_slide.items()}
-    rounding = {name: half * sizes[name] for name, half in score.roundings(at_slide).items()}
-    notes += _uneven(found["t"], rounding["t"])
-    return Record(**found, rounding=rounding, force_spread=spread, notes=tuple(notes))
+    columns = {name: column * sizes[name] for name, column in printed.items()}
+    rounding = {name: half * sizes[name] for name, half in score.roundings(printed).items()}
+    notes += _uneven(columns["t"], rounding["t"])
+    return Record(**columns, rounding=rounding, force_spread=spread, notes=tuple(notes))
 
 
 def _uneven(t: Floats, rounding: float) -> Iterator[str]:
