@@ -42,6 +42,7 @@ def read_record(
     """
     names: Mapping[str, object] = source if isinstance(source, Mapping) else columns or {}
     quantities = score.quantities_of(_FILE["columns"], _UNITS, columns or {})
+    drive, spread = axis.drive if axis else None, 0.0
     with score.refusing("the record" if isinstance(source, Mapping) else source):
         if unknown := names.keys() - quantities:
             raise CurveError(f"{min(unknown)} is none of {', '.join(quantities)}")
@@ -52,42 +53,30 @@ def read_record(
             units = dict.fromkeys(printed, "SI")
         else:
             raise CurveError("the time, t, is missing")
+        score.check_samples(printed)
+        notes = [f"{name} has no unit: it was taken in SI" for name in units if not units[name]]
         sizes = {name: quantities[name].units.get(unit, 1.0) for name, unit in units.items()}
-        return _record(printed, units, sizes, axis)
-
-
-def _record(
-    printed: dict[str, Floats],
-    units: Mapping[str, str],
-    sizes: dict[str, float],
-    axis: Axis | None,
-) -> Record:
-    """Make a record of columns as printed, with their units and the sizes of those."""
-    score.check_samples(printed)
-    notes = [f"{name} has no unit: it was taken in SI" for name in units if not units[name]]
-    drive, spread = axis.drive if axis else None, 0.0
-    for name, unit in units.items():
-        kind = _KINDS.get(unit, name)
-        if kind not in _OF_DRIVE:
-            continue
-        key = _OF_DRIVE[kind]
-        value = getattr(drive, key, None)
-        if axis is None or drive is None or value is None:
-            raise CurveError(f"{name} of the motor: drive.{key} of an axis file takes it to SI")
-        radius = drive.pitch / (2.0 * math.pi)
-        factor = {"motor_speed": radius, "torque": 1.0 / radius}.get(kind, value / radius)
-        to = "velocity" if kind == "motor_speed" else "force"
-        printed[to], sizes[to] = printed.pop(name), sizes[name] * factor
-        notes.append(f"{name} of the motor was turned into {to} at the slide by drive.{key}")
-        if f"drive.{key}" in axis.spread:
-            spread = axis.spread[f"drive.{key}"] / value
-            notes.append(f"drive.{key}: its ± of {100.0 * spread:.3g} % scales mass and all forces")
+        for name, kind in [(name, _KINDS.get(unit, name)) for name, unit in units.items()]:
+            if kind not in _OF_DRIVE:
+                continue
+            key = _OF_DRIVE[kind]
+            value = getattr(drive, key, None)
+            if axis is None or drive is None or value is None:
+                raise CurveError(f"{name} of the motor: drive.{key} of an axis file takes it to SI")
+            radius = drive.pitch / (2.0 * math.pi)
+            factor = {"motor_speed": radius, "torque": 1.0 / radius}.get(kind, value / radius)
+            to = "velocity" if kind == "motor_speed" else "force"
+            printed[to], sizes[to] = printed.pop(name), sizes[name] * factor
+            notes.append(f"{name} of the motor was turned into {to} by drive.{key}")
+            if f"drive.{key}" in axis.spread:
+                spread = axis.spread[f"drive.{key}"] / value
+                notes[-1] += f"; its ± of {100.0 * spread:.3g} % scales mass and all forces"
     if drive and not drive.on_table and "position" in printed:
         notes.append("the position is that of the motor, as drive.position says")
-    columns = {name: column * sizes[name] for name, column in printed.items()}
+    record = {name: column * sizes[name] for name, column in printed.items()}
     rounding = {name: half * sizes[name] for name, half in score.roundings(printed).items()}
-    notes += _uneven(columns["t"], rounding["t"])
-    return Record(**columns, rounding=rounding, force_spread=spread, notes=tuple(notes))
+    notes += _uneven(record["t"], rounding["t"])
+    return Record(**record, rounding=rounding, force_spread=spread, notes=tuple(notes))
 
 
 def _uneven(t: Floats, rounding: float) -> Iterator[str]:
