@@ -14,7 +14,7 @@ from ..axis import Axis, AxisError, AxisFile
 from ..axis import Number as Stated
 from ..axis.build import values_of
 from ..axis.keys import KEYS, LEAST, place
-from .model import KNOWN, Identified
+from .model import Identified
 
 _FROM: Final = "# from "
 """What the line begins with that names a record and its numbers."""
@@ -73,15 +73,15 @@ def _intervals(found: Identified, file: AxisFile) -> dict[str, tuple[float, floa
     k = (k/m) m, c = (c/m) m, F_s - F_k = k gap, F_s = F_k + (F_s - F_k); friction by forces or by
     coefficients, none beside a curve. The parts of an interval are taken as independent.
     """
-    told = {one.name: (0.5 * (one.low + one.high), one.half) for one in found.numbers}
+    told = {n.name: (0.5 * (n.low + n.high), 0.5 * (n.high - n.low)) for n in found.numbers}
     if not file.tables:
         return told
     axis, stated = axis_of(file), file.values
     if "friction.curve" in stated:
         told = {name: one for name, one in told.items() if not name.startswith("friction")}
-    mass, around = told.get("axis.mass", (0.0, 0.0))
-    if not 2.0 * around < KNOWN * mass:
-        mass, around = axis.m, axis.spread.get("axis.mass", 0.0)
+    mass, around = axis.m, axis.spread.get("axis.mass", 0.0)
+    if any(one.name == "axis.mass" and one.identified for one in found.numbers):
+        mass, around = told["axis.mass"]
     normal, by_mu = mass * axis.g + axis.load, bool({"friction.mu_s", "friction.mu_k"} & {*stated})
 
     def make(name: str, of: str, factor: float, around: float = 0.0, more: float = 0.0) -> None:

@@ -5,15 +5,12 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Final, Literal
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
 Floats = NDArray[np.float64]
-
-KNOWN: Final = 0.5
-"""A number whose interval is wider than this part of it is not identified."""
 
 Kind = Literal["steady runs", "stick-slip", "excitation"]
 
@@ -54,29 +51,19 @@ class Number:
     """The best value."""
     low: float
     high: float
-    """Ends of the interval, without the ± of the scale of the force."""
+    """Ends of the interval."""
     why: str = ""
     """What its width comes from, or why it cannot be told."""
 
     @property
-    def scales(self) -> bool:
-        """Whether the ± of the scale of the force is its own too: of forces and masses."""
-        return "N" in self.unit or self.unit == "kg"
-
-    @property
-    def half(self) -> float:
-        """Half the width of the interval."""
-        return 0.5 * (self.high - self.low)
-
-    @property
     def width(self) -> float:
         """Half the interval over the value, relative."""
-        return self.half / abs(self.value) if self.value else math.inf
+        return 0.5 * (self.high - self.low) / abs(self.value) if self.value else math.inf
 
     @property
     def identified(self) -> bool:
-        """Whether the interval is narrow enough to go on as a number, not as a range."""
-        return 2.0 * self.width <= KNOWN
+        """Whether the interval is at most half as wide as the value: it is a number, no range."""
+        return self.width <= 0.25
 
 
 @dataclass(frozen=True, kw_only=True)

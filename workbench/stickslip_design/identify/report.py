@@ -28,7 +28,8 @@ def numbers(found: Identified) -> Grid:
     """Return the numbers with their intervals."""
     rows = []
     for one in found.numbers:
-        cells = shown(one.unit, one.half, one.value, one.low, one.high)
+        half = 0.5 * (one.high - one.low)
+        cells = shown(one.unit, half, one.value, one.low, one.high)
         value, low, high, unit = (cell.replace("-", "−").replace("inf", "∞") for cell in cells)
         width = f"{100.0 * one.width:.2g} %" if one.identified else "not identified"
         rows.append((one.name, one.meaning, f"{value} {unit}".strip(), low, high, width))
@@ -78,9 +79,8 @@ def sentence(file: AxisFile) -> str:
 
 def courses(found: Identified) -> Figure:
     """Draw each trace of the record with segments marked, the fit over it, and what is left."""
-    rows, first = len(found.traces), {name: begin for begin, _, name in found.segments[::-1]}
-    colours = mpl.colormaps["rainbow"](np.linspace(0.0, 1.0, len(first)))
-    tones = dict(zip(first, colours, strict=True))
+    rows, names = len(found.traces), list(dict.fromkeys(name for _, _, name in found.segments))
+    tones = mpl.colormaps["rainbow"](np.linspace(0.0, 1.0, len(names)), alpha=0.2)
     with mpl.rc_context(STYLE):
         page = Figure(figsize=(WIDE, 1.2 + 1.4 * rows), layout="constrained")
         panels = page.subplots(2 * rows, sharex=True, height_ratios=[3.0, 1.2] * rows)
@@ -97,12 +97,12 @@ def courses(found: Identified) -> Figure:
                 on.yaxis.set_major_formatter(EngFormatter(trace.unit))
         for on in panels:
             for begin, end, name in found.segments:
-                label = name if begin == first[name] else None
-                on.axvspan(begin, end, color=tones[name], alpha=0.2, lw=0.0, zorder=0, label=label)
+                tone = tones[names.index(name)]
+                on.axvspan(begin, end, color=tone, lw=0.0, zorder=0, label=name)
         page.align_ylabels()
         panels[-1].set_xlabel("time  [s]", loc="right", labelpad=1.0)
-        looks = panels[0].get_legend_handles_labels()
-        page.legend(*looks, loc="outside upper left", ncols=5, fontsize=LETTERS, handlelength=1.4)
+        looks = dict(zip(*panels[0].get_legend_handles_labels()[::-1], strict=True))
+        page.legend(looks.values(), looks, loc="outside upper left", ncols=5, fontsize=LETTERS)
     return page
 
 

@@ -55,7 +55,7 @@ def _scaled(number: Number, spread: float, axis: Axis | None) -> Number:
     drive = axis.drive if axis else None
     own = {"kg": drive.inertia, "N.s/m": drive.d, "N": drive.dry} if drive else {}
     part = spread * (abs(number.value) + own.get(number.unit, 0.0))
-    if not part or not number.scales:
+    if not (part and ("N" in number.unit or number.unit == "kg")):
         return number
     below, above = (math.hypot(end - number.value, part) for end in (number.low, number.high))
     return replace(number, low=number.value - below, high=number.value + above)
