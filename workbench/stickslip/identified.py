@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 from stickslip.files import write
 from stickslip.results import Shown
 from stickslip.show.tables import identified_summary
-from stickslip_design.axis import AxisFile, AxisSource, axis_file_of, read_axis_file
+from stickslip_design.axis import AxisFile, AxisSource, read_axis_file
 from stickslip_design.identify import report, study
 from stickslip_design.identify.axis_text import axis_of, written
 from stickslip_design.identify.model import Floats, Identified
@@ -25,25 +25,23 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, repr=False)
 class Identification(Shown):
-    """What a record tells: `found` has all figures, `source` is its name, `file` the axis."""
+    """What a record tells."""
 
     found: Identified
+    """All figures."""
     source: str
-    file: AxisFile
+    """The name of the record."""
+    axis: AxisFile
+    """The axis file with the numbers that the record tells, each with its ±, for `design`."""
 
     def __repr__(self) -> str:
         return f"<Identification of {self.source}: {self.found.kind}>"
 
     @cached_property
-    def axis_text(self) -> str:
-        """The axis file with the numbers that the record tells, each with its ±."""
-        return written(self.found, self.file, self.source)
-
-    @cached_property
     def sentence(self) -> str:
         """What the axis does with these numbers, and what ends that; or what is missing."""
-        said = report.sentence(axis_file_of(self.axis_text, self.file.name, self.file.folder))
-        return f"{said}{' But the model does not explain the record.' * (not self.found.explained)}"
+        doubt = "" if self.found.explained else " But the model does not explain the record."
+        return report.sentence(self.axis) + doubt
 
     def table(self) -> RenderableType:
         """Return the summary, for rich."""
@@ -53,11 +51,12 @@ class Identification(Shown):
         """Return numbers, intervals and findings [SI] as JSON knows them, without the samples."""
         known = [each.name for each in self.found.numbers if each.identified]
         said = {"record": self.source, "sentence": self.sentence, "known": known}
-        return {**said, "explained": self.found.explained, **plain(replace(self.found, traces=()))}
+        return {**said, **plain(replace(self.found, traces=()))}
 
     def html(self) -> str:
         """Return the report as a page that asks for nothing outside itself."""
-        friction = report.friction(self.found)
+        curve = self.found.friction
+        friction = report.picture([curve]) if curve else None
         return rendered(
             "identified.html.j2",
             said=self,
@@ -68,7 +67,7 @@ class Identification(Shown):
 
     def plot(self) -> Figure:
         """Draw the record with its parts, the fit over it, and what the fit leaves."""
-        return report.courses(self.found)
+        return report.picture(self.found.traces, self.found.segments)
 
     def report(self, file: Path | str) -> Path:
         """Write the report, and return its path."""
@@ -76,8 +75,8 @@ class Identification(Shown):
         return Path(file)
 
     def write(self, file: Path | str) -> Path:
-        """Write `axis_text` as a file for `design`, and return its path."""
-        write(Path(file), self.axis_text.encode(), "file")
+        """Write the axis file, and return its path."""
+        write(Path(file), self.axis.text.encode(), "file")
         return Path(file)
 
 
@@ -108,6 +107,7 @@ def identify(
     source = "the record" if isinstance(record, Mapping) else Path(record).name
     samples = read_record(record, columns, known)
     try:
-        return Identification(study.identify(samples, known), source, file)
+        found = study.identify(samples, known)
     except ValueError as error:
         raise ValueError(f"{source}: {error}") from None
+    return Identification(found, source, written(found, file, source))

@@ -37,7 +37,7 @@ def identify(
         taken.append(target.resolve())
     with meter("Identifying"):
         found = identified(record, axis, column)
-        texts = {"--output": found.html(), "--write": found.axis_text, "--json": found.to_json()}
+        texts = {"--output": found.html(), "--write": found.axis.text, "--json": found.to_json()}
     for option, target in targets.items():
         files.write(target, f"{texts[option].rstrip()}\n".encode(), option)
     console().print(found.table())

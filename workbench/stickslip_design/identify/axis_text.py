@@ -10,7 +10,7 @@ from typing import Final
 
 from stickslip_units import scale_for
 
-from ..axis import Axis, AxisError, AxisFile
+from ..axis import Axis, AxisError, AxisFile, axis_file_of
 from ..axis import Number as Stated
 from ..axis.build import values_of
 from ..axis.keys import KEYS, LEAST, place
@@ -33,7 +33,7 @@ def axis_of(file: AxisFile) -> Axis:
     return replace(file, values=values, sections=(*file.sections, "friction")).axis()
 
 
-def written(found: Identified, file: AxisFile, source: str) -> str:
+def written(found: Identified, file: AxisFile, source: str) -> AxisFile:
     """Return an axis file that states what a file does, and the numbers of a record with their ±.
 
     What said the same goes. `source` is the name of the record.
@@ -64,7 +64,7 @@ def written(found: Identified, file: AxisFile, source: str) -> str:
         said += ["", f"[{name}]"]
         for key, value in stated.items():
             said.append(f"{key} = " + _PAIR.sub(r"\1 = ", json.dumps(value, ensure_ascii=False)))
-    return "\n".join((*said, ""))
+    return axis_file_of("\n".join((*said, "")), file.name, file.folder)
 
 
 def _intervals(found: Identified, file: AxisFile) -> dict[str, tuple[float, float]]:

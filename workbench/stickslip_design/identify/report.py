@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Final
 
 import matplotlib as mpl
@@ -9,8 +10,8 @@ import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.ticker import EngFormatter
 
-from stickslip_units import scale_for, scale_of, told
-from stickslip_verification.report.svg import BLUE, GREY, INK, ORANGE, STYLE
+from stickslip_units import scale_for, told
+from stickslip_verification.report.svg import BLUE, GREY, ORANGE, STYLE
 
 from ..axis import AxisError, AxisFile
 from ..report.plots import LETTERS, NARROW, WIDE
@@ -18,7 +19,7 @@ from ..report.tables import Grid
 from ..study import design
 from ..verdict import feed_in_words, judder
 from .axis_text import shown
-from .model import Identified
+from .model import Identified, Segment, Trace
 
 _GAP: Final = 5.0
 """Steps of time that are longer than so many others are gaps."""
@@ -60,70 +61,59 @@ def sentence(file: AxisFile) -> str:
     worst, robustness = judder(verdict.points), verdict.robustness
     if robustness is None or not verdict.stable:
         return verdict.sentence
-    does, share = "moves evenly at its feeds", 100 * robustness.clean // robustness.machines
-    if worst is not None:
-        others = " or another of its feeds" * (len(verdict.points) > 1)
-        does = f"{'jumps' if worst.jumps else 'swings'} at {feed_in_words(worst.feed)}{others}"
-        share = 100 - share
-    said = f"With these numbers the axis {does} in {share} % of machines within their ±"
-    enough = [
-        (100 * found.clean // found.machines, f"{one.name} ({one.effort}) ends that in")
-        for one in verdict.measures
-        if one.effort != "program" and (found := one.robustness)
-    ]
-    if worst is None or not enough:
-        return f"{said}{'; no measure of the catalogue ends that' * (worst is not None)}."
-    share, name = max(enough, key=lambda one: one[0])
-    return f"{said}; {name} {share} %."
+    even = 100 * robustness.clean // robustness.machines
+    if worst is None:
+        return f"With these numbers {even} % of machines within their ± move evenly at the feeds."
+    ends = [(0, "no measure of the catalogue ends that")]
+    for one in verdict.measures:
+        if one.effort != "program" and one.robustness:
+            share = 100 * one.robustness.clean // one.robustness.machines
+            ends.append((share, f"{one.name} ({one.effort}) ends that in {share} %"))
+    others = " or another of its feeds" * (len(verdict.points) > 1)
+    return (
+        f"With these numbers the axis {'jumps' if worst.jumps else 'swings'} at "
+        f"{feed_in_words(worst.feed)}{others} in {100 - even} % of machines within their ±; "
+        f"{max(ends, key=lambda end: end[0])[1]}."
+    )
 
 
-def courses(found: Identified) -> Figure:
-    """Draw each trace of the record with segments marked, the fit over it, and what is left."""
-    rows, names = len(found.traces), list(dict.fromkeys(name for _, _, name in found.segments))
+def picture(traces: Sequence[Trace], segments: Sequence[Segment] = ()) -> Figure:
+    """Draw measured values, the fit over them and what it leaves; segments of time are marked.
+
+    A trace with a band is friction over the speed.
+    """
+    rows, names = len(traces), list(dict.fromkeys(name for _, _, name in segments))
     tones = mpl.colormaps["rainbow"](np.linspace(0.0, 1.0, len(names)), alpha=0.2)
+    over = traces[0].band.size > 0
     with mpl.rc_context(STYLE):
-        page = Figure(figsize=(WIDE, 1.2 + 1.4 * rows), layout="constrained")
+        size = (NARROW, 1.9) if over else (WIDE, 1.2 + 1.4 * rows)
+        page = Figure(figsize=size, layout="constrained")
         panels = page.subplots(2 * rows, sharex=True, height_ratios=[3.0, 1.2] * rows)
-        for trace, main, rest in zip(found.traces, panels[::2], panels[1::2], strict=True):
-            # A line ends where samples are left out.
-            steps = np.diff(trace.at, append=trace.at[-1])
-            t = np.where(steps > _GAP * np.median(steps), np.nan, trace.at)
-            main.plot(t, trace.measured, color=GREY, lw=1.6, label="measured")
-            main.plot(t, trace.fitted, color=BLUE, lw=0.9, label="fit")
-            rest.plot(t, trace.measured - trace.fitted, color=ORANGE, lw=0.7)
-            main.set(ylabel=trace.name, xlim=(trace.at[0], trace.at[-1]))
-            rest.set(ylabel="residual")
+        for trace, main, rest in zip(traces, panels[::2], panels[1::2], strict=True):
+            # A line ends where the direction changes, and where samples are left out.
+            steps = np.diff(np.sign(trace.at) if over else trace.at)
+            cuts = 1 + np.flatnonzero(steps > _GAP * np.median(steps))
+            columns = (trace.at, trace.measured, trace.fitted)
+            x, y, fitted = (np.insert(column, cuts, np.nan) for column in columns)
+            if over:
+                band = np.insert(trace.band, cuts, np.nan)
+                for on, middle in ((main, y), (rest, y - fitted)):
+                    look = {"color": "#b9d6e8", "lw": 0.0, "label": "95 %"}
+                    on.fill_between(x, middle - band, middle + band, **look)
+            main.plot(x, y, "o" if over else "-", color=GREY, ms=2.2, lw=1.6, label="measured")
+            main.plot(x, fitted, color=BLUE, lw=0.9, label="fit")
+            rest.plot(x, y - fitted, color=ORANGE, lw=0.7)
+            main.set(ylabel="friction" if over else trace.name)
+            rest.set(ylabel="residual", xlim=None if over else (trace.at[0], trace.at[-1]))
             for on in (main, rest):
                 on.yaxis.set_major_formatter(EngFormatter(trace.unit))
         for on in panels:
-            for begin, end, name in found.segments:
+            for begin, end, name in segments:
                 tone = tones[names.index(name)]
                 on.axvspan(begin, end, color=tone, lw=0.0, zorder=0, label=name)
         page.align_ylabels()
-        panels[-1].set_xlabel("time  [s]", loc="right", labelpad=1.0)
+        panels[-1].xaxis.set_major_formatter(EngFormatter("m/s" if over else "s"))
+        panels[-1].locator_params(axis="x", nbins=4 if over else 10)
         looks = dict(zip(*panels[0].get_legend_handles_labels()[::-1], strict=True))
         page.legend(looks.values(), looks, loc="outside upper left", ncols=5, fontsize=LETTERS)
-    return page
-
-
-def friction(found: Identified) -> Figure | None:
-    """Draw friction over the speed with its band, and the law that explains it best."""
-    curve, slow = found.friction, scale_of("m/s")
-    if curve is None:
-        return None
-    with mpl.rc_context(STYLE):
-        page = Figure(figsize=(NARROW, 1.9), layout="constrained")
-        on = page.subplots()
-        # No line goes from one direction to the other.
-        between = np.searchsorted(curve.at, 0.0)
-        columns = (curve.at / slow.size, curve.measured, curve.band, curve.fitted)
-        u, F, half, fitted = (np.insert(column, between, np.nan) for column in columns)
-        on.fill_between(u, F - half, F + half, color="#b9d6e8", lw=0.0)
-        on.plot(u, F, "o", color=INK, ms=2.2, label="measured, 95 %")
-        on.plot(u, fitted, color=BLUE, lw=1.2, label="best law")
-        on.axhline(0.0, color=GREY, lw=0.6)
-        on.set_xlabel(slow.label("speed "), loc="right", labelpad=1.0)
-        on.set_ylabel("friction")
-        on.yaxis.set_major_formatter(EngFormatter("N"))
-        on.legend(loc="upper left", fontsize=LETTERS, handlelength=1.4)
     return page
