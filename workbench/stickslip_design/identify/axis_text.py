@@ -8,7 +8,7 @@ import re
 from dataclasses import replace
 from typing import Final
 
-from stickslip_units import scale_for
+from stickslip_units import told
 
 from ..axis import Axis, AxisError, AxisFile, axis_file_of
 from ..axis import Number as Stated
@@ -44,8 +44,8 @@ def written(found: Identified, file: AxisFile, source: str) -> AxisFile:
         if key := KEYS.get(path):
             low = max(middle - half, 0.0) if key.within is LEAST else middle - half
             middle, half = 0.5 * (low + middle + half), 0.5 * (middle + half - low)
-            value, around, unit = shown(key.units[0], half, middle, half, digits=3)
-            quantity = f"{value} {unit} ± {around} {unit}".replace("  ", " ").strip()
+            part = 100.0 * half / abs(middle) if middle else math.inf
+            quantity = f"{told(middle, key.units[0], 6)} ± {part:.3g} %".replace("−", "-")
             try:
                 values_of(key, path, quantity)
                 new[path] = quantity
@@ -73,42 +73,31 @@ def _intervals(found: Identified, file: AxisFile) -> dict[str, tuple[float, floa
     k = (k/m) m, c = (c/m) m, F_s - F_k = k gap, F_s = F_k + (F_s - F_k); friction by forces or by
     coefficients, none beside a curve. The parts of an interval are taken as independent.
     """
-    told = {n.name: (0.5 * (n.low + n.high), 0.5 * (n.high - n.low)) for n in found.numbers}
+    known = {n.name: (0.5 * (n.low + n.high), 0.5 * (n.high - n.low)) for n in found.numbers}
     if not file.tables:
-        return told
+        return known
     axis, stated = axis_of(file), file.values
     if "friction.curve" in stated:
-        told = {name: one for name, one in told.items() if not name.startswith("friction")}
+        known = {name: one for name, one in known.items() if not name.startswith("friction")}
     mass, around = axis.m, axis.spread.get("axis.mass", 0.0)
     if any(one.name == "axis.mass" and one.identified for one in found.numbers):
-        mass, around = told["axis.mass"]
+        mass, around = known["axis.mass"]
     normal, by_mu = mass * axis.g + axis.load, bool({"friction.mu_s", "friction.mu_k"} & {*stated})
 
     def make(name: str, of: str, factor: float, around: float = 0.0, more: float = 0.0) -> None:
         """Make a number of another one, by a factor that is known to a ±, and a sum."""
-        if of in told and name not in told:
-            middle, half = told[of]
-            told[name] = more + factor * middle, math.hypot(factor * half, around * middle)
+        if of in known and name not in known:
+            middle, half = known[of]
+            known[name] = more + factor * middle, math.hypot(factor * half, around * middle)
 
     make("axis.stiffness", "k/m", mass, around)
     make("axis.c", "c/m", mass, around)
-    make("F_s - F_k", "gap", *told.get("axis.stiffness", (axis.k, 0.0)))
+    make("F_s - F_k", "gap", *known.get("axis.stiffness", (axis.k, 0.0)))
     kinetic = stated.get("friction.mu_k" if by_mu else "friction.F_k")
-    if isinstance(kinetic, Stated) and "friction.mu_s" not in told:
+    if isinstance(kinetic, Stated) and "friction.mu_s" not in known:
         make("friction.F_s", "F_s - F_k", 1.0, more=kinetic.value * (normal if by_mu else 1.0))
     for which in "sk":
         names = f"friction.F_{which}", f"friction.mu_{which}"
         make(names[by_mu], names[not by_mu], 1.0 / normal if by_mu else normal)
-        told.pop(names[not by_mu], None)
-    return told
-
-
-def shown(unit: str, half: float, *values: float, digits: int = 2) -> tuple[str, ...]:
-    """Return values [SI] to some digits of their half-width, and their unit.
-
-    That is one in which the larger of the first value and the half-width is neither tiny nor huge.
-    """
-    scale, form = scale_for(max(abs(values[0]), half if half < math.inf else 0.0), unit), ".6g"
-    if 0.0 < half < math.inf:
-        form = f".{max(digits - 1 - math.floor(math.log10(half / scale.size)), 0)}f"
-    return (*(f"{value / scale.size:{form}}" for value in values), scale.symbol.replace(".", "·"))
+        known.pop(names[not by_mu], None)
+    return known

@@ -10,7 +10,7 @@ import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.ticker import EngFormatter
 
-from stickslip_units import scale_for, told
+from stickslip_units import EXACT, scale_for, told
 from stickslip_verification.report.svg import BLUE, GREY, ORANGE, STYLE
 
 from ..axis import AxisError, AxisFile
@@ -18,7 +18,6 @@ from ..report.plots import LETTERS, NARROW, WIDE
 from ..report.tables import Grid
 from ..study import design
 from ..verdict import feed_in_words, judder
-from .axis_text import shown
 from .model import Identified, Segment, Trace
 
 _GAP: Final = 5.0
@@ -29,11 +28,9 @@ def numbers(found: Identified) -> Grid:
     """Return the numbers with their intervals."""
     rows = []
     for one in found.numbers:
-        half = 0.5 * (one.high - one.low)
-        cells = shown(one.unit, half, one.value, one.low, one.high)
-        value, low, high, unit = (cell.replace("-", "−").replace("inf", "∞") for cell in cells)
+        cells = (told(value, one.unit, EXACT) for value in (one.value, one.low, one.high))
         width = f"{100.0 * one.width:.2g} %" if one.identified else "not identified"
-        rows.append((one.name, one.meaning, f"{value} {unit}".strip(), low, high, width))
+        rows.append((one.name, one.meaning, *cells, width))
     head = ("number", "what it is", "value", "from", "to", "±")
     return Grid(head, rows, frozenset({2, 3, 4, 5}))
 
