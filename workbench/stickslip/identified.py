@@ -55,15 +55,7 @@ class Identification(Shown):
 
     def html(self) -> str:
         """Return the report as a page that asks for nothing outside itself."""
-        curve = self.found.friction
-        friction = report.picture([curve]) if curve else None
-        return rendered(
-            "identified.html.j2",
-            said=self,
-            report=report,
-            courses=drawn(self.plot(), "record", "The record, the fit, and what it leaves"),
-            friction=drawn(friction, "friction", "Friction over the speed"),
-        )
+        return rendered("identified.html.j2", said=self, report=report, drawn=drawn)
 
     def plot(self) -> Figure:
         """Draw the record with its parts, the fit over it, and what the fit leaves."""

@@ -6,7 +6,6 @@ import json
 import math
 import re
 from dataclasses import replace
-from typing import Final
 
 from stickslip_units import told
 
@@ -15,11 +14,6 @@ from ..axis import Number as Stated
 from ..axis.build import values_of
 from ..axis.keys import KEYS, LEAST, place
 from .model import Identified
-
-_FROM: Final = "# from "
-"""What the line begins with that names a record and its numbers."""
-_PAIR: Final = re.compile(r'"(\w+)": ')
-"""A key and its colon in JSON."""
 
 
 def axis_of(file: AxisFile) -> Axis:
@@ -39,7 +33,7 @@ def written(found: Identified, file: AxisFile, source: str) -> AxisFile:
     What said the same goes. `source` is the name of the record.
     """
     new: dict[str, str] = {}
-    said = [line for line in file.text.splitlines() if line.startswith(_FROM)]
+    said = [line for line in file.text.splitlines() if line.startswith("# from ")]
     for path, (middle, half) in _intervals(found, file).items():
         if key := KEYS.get(path):
             low = max(middle - half, 0.0) if key.within is LEAST else middle - half
@@ -51,7 +45,7 @@ def written(found: Identified, file: AxisFile, source: str) -> AxisFile:
                 new[path] = quantity
             except AxisError:
                 said.append(f"# {path} is not stated: its interval is not in the range of the key")
-    said.append(f"{_FROM}{source}, ± is half the interval of 95 %: {', '.join(new) or 'nothing'}")
+    said.append(f"# from {source}, ± is half the interval of 95 %: {', '.join(new) or 'nothing'}")
     said += [f"# the model does not explain it: {fault}" for fault in found.faults]
     said += [f"# it cannot tell {what}: {why}" for what, why in found.missing]
     gone = {place(KEYS[path].section, name) for path in new for name in KEYS[path].excludes}
@@ -63,7 +57,9 @@ def written(found: Identified, file: AxisFile, source: str) -> AxisFile:
         stated |= {KEYS[path].name: new[path] for path in new if KEYS[path].section == name}
         said += ["", f"[{name}]"]
         for key, value in stated.items():
-            said.append(f"{key} = " + _PAIR.sub(r"\1 = ", json.dumps(value, ensure_ascii=False)))
+            # A table in a line has = where JSON has a colon.
+            text = re.sub(r'"(\w+)": ', r"\1 = ", json.dumps(value, ensure_ascii=False))
+            said.append(f"{key} = {text}")
     return axis_file_of("\n".join((*said, "")), file.name, file.folder)
 
 

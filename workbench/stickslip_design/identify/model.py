@@ -13,8 +13,6 @@ from numpy.typing import NDArray
 Floats = NDArray[np.float64]
 
 Kind = Literal["steady runs", "stick-slip", "excitation"]
-Segment = tuple[float, float, str]
-"""A part of a record: begin and end [s], and what it is."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -99,8 +97,8 @@ class Identified:
     """Columns of the record over time."""
     noise: float
     """Root mean square of what the fit leaves of the last of them, in its unit."""
-    segments: tuple[Segment, ...]
-    """Parts of the record."""
+    segments: tuple[tuple[float, float, str], ...]
+    """Parts of the record: begin and end [s], and what they are."""
     correlation: tuple[float, float] = (0.0, 0.0)
     """Where that is not white a lag [s], and the correlation there [-]."""
     faults: tuple[str, ...] = ()

@@ -18,9 +18,6 @@ from stickslip_units import told
 from ..axis import Axis
 from .model import Floats, Record
 
-_OFF: Final = 0.01
-"""A step of time that is off the median by more than this part of it is not even."""
-
 _FILE: Final = tomllib.loads(Path(__file__).with_name("columns.toml").read_text(encoding="utf-8"))
 _UNITS: Final = {**score.UNITS, **_FILE["units"]}
 _OF_DRIVE: Final = _FILE["of_drive"]
@@ -84,7 +81,7 @@ def _uneven(t: Floats, rounding: float) -> Iterator[str]:
     # Even times as printed have steps that differ by a unit of their last digit.
     steps = np.diff(t)
     step, longest = float(np.median(steps)), int(np.argmax(steps))
-    if share := float(np.mean(np.abs(steps - step) > max(_OFF * step, 2.02 * rounding))):
+    if share := float(np.mean(np.abs(steps - step) > max(0.01 * step, 2.02 * rounding))):
         lost = np.sum(np.round(steps / step) - 1.0)
         yield (
             f"{100.0 * share:.2g} % of the steps of time are off {told(step, 's')} by above 1 %; "

@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Final
 
 import matplotlib as mpl
 import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.ticker import EngFormatter
 
-from stickslip_units import EXACT, scale_for, told
+from stickslip_units import EXACT, told
 from stickslip_verification.report.svg import BLUE, GREY, ORANGE, STYLE
 
 from ..axis import AxisError, AxisFile
@@ -18,10 +17,7 @@ from ..report.plots import LETTERS, NARROW, WIDE
 from ..report.tables import Grid
 from ..study import design
 from ..verdict import feed_in_words, judder
-from .model import Identified, Segment, Trace
-
-_GAP: Final = 5.0
-"""Steps of time that are longer than so many others are gaps."""
+from .model import Identified, Trace
 
 
 def numbers(found: Identified) -> Grid:
@@ -41,7 +37,7 @@ def explains(found: Identified) -> str:
         return f"The model does not explain the record: {'; '.join(found.faults)}."
     lag, correlation = found.correlation
     memory = f"its correlation is {correlation:.2f} at {told(lag, 's')}" if lag else "white"
-    noise = scale_for(found.noise, found.traces[-1].unit).told(found.noise)
+    noise = told(found.noise, found.traces[-1].unit)
     return f"The model explains the record: it leaves noise of {noise}, {memory}."
 
 
@@ -74,7 +70,7 @@ def sentence(file: AxisFile) -> str:
     )
 
 
-def picture(traces: Sequence[Trace], segments: Sequence[Segment] = ()) -> Figure:
+def picture(traces: Sequence[Trace], segments: Sequence[tuple[float, float, str]] = ()) -> Figure:
     """Draw measured values, the fit over them and what it leaves; segments of time are marked.
 
     A trace with a band is friction over the speed.
@@ -87,9 +83,9 @@ def picture(traces: Sequence[Trace], segments: Sequence[Segment] = ()) -> Figure
         page = Figure(figsize=size, layout="constrained")
         panels = page.subplots(2 * rows, sharex=True, height_ratios=[3.0, 1.2] * rows)
         for trace, main, rest in zip(traces, panels[::2], panels[1::2], strict=True):
-            # A line ends where the direction changes, and where samples are left out.
+            # A line ends where the direction changes, and where four samples or more are left out.
             steps = np.diff(np.sign(trace.at) if over else trace.at)
-            cuts = 1 + np.flatnonzero(steps > _GAP * np.median(steps))
+            cuts = 1 + np.flatnonzero(steps > 5.0 * np.median(steps))
             columns = (trace.at, trace.measured, trace.fitted)
             x, y, fitted = (np.insert(column, cuts, np.nan) for column in columns)
             if over:
