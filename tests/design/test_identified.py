@@ -296,7 +296,7 @@ def test_the_page_has_all_that_was_found_and_asks_for_nothing() -> None:
     for words in (
         "run.csv explained It jumps. Record excitation: the speed changes all the time",
         "axis.mass a number 512.3 kg 502.1 kg 522.5 kg 2 %",
-        "it leaves noise of 1.00 µm, white. Next Measure at 1 mm/min.",
+        "it leaves noise of 1.00 µm. Next Measure at 1 mm/min.",
         "the stiffness: the motion is too slow",
     ):
         assert words in words_in(page)
@@ -339,7 +339,7 @@ def test_the_summary_has_80_columns_and_says_what_is_not_identified() -> None:
         "axis.force_along −20 N −26 N ∞ N not identified a number",
         "axis.stiffness 40 N/µm 28 N/µm 52 N/µm not identified a number",
         "cannot tell the stiffness: the motion is too slow",
-        "The model explains the record: it leaves noise of 1.00 µm, white.",
+        "The model explains the record: it leaves noise of 1.00 µm.",
         "measure next: Measure at 1 mm/min. It jumps.",
     ):
         assert words in text

@@ -132,8 +132,7 @@ def test_an_axis_of_a_dictionary_is_that_of_the_file(tmp_path: Path) -> None:
 def test_numbers_of_a_record_go_into_an_axis_file_and_a_report(tmp_path: Path) -> None:
     found = ss.identify(RECORD, AXIS)
     assert found.found.number("axis.mass").value == pytest.approx(500.0, rel=0.01)
-    file = found.write(tmp_path / "measured.toml")
-    assert ss.design(file).verdict.axis.m == pytest.approx(500.0, rel=0.01)
+    assert ss.design(found.axis).verdict.axis.m == pytest.approx(500.0, rel=0.01)
     assert found.sentence in found.report(tmp_path / "record.html").read_text("utf-8")
 
 

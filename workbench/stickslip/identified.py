@@ -66,11 +66,6 @@ class Identification(Shown):
         write(Path(file), self.html().encode(), "file")
         return Path(file)
 
-    def write(self, file: Path | str) -> Path:
-        """Write the axis file, and return its path."""
-        write(Path(file), self.axis.text.encode(), "file")
-        return Path(file)
-
 
 def identify(
     record: Path | str | Mapping[str, Floats],

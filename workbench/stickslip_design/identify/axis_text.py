@@ -81,7 +81,6 @@ def _intervals(found: Identified, file: AxisFile) -> dict[str, tuple[float, floa
     normal, by_mu = mass * axis.g + axis.load, bool({"friction.mu_s", "friction.mu_k"} & {*stated})
 
     def make(name: str, of: str, factor: float, around: float = 0.0, more: float = 0.0) -> None:
-        """Make a number of another one, by a factor that is known to a ±, and a sum."""
         if of in known and name not in known:
             middle, half = known[of]
             known[name] = more + factor * middle, math.hypot(factor * half, around * middle)

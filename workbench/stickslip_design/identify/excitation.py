@@ -212,7 +212,6 @@ def driven(record: Record, axis: Axis | None) -> Identified:
         numbers=tuple(_numbers(rows, law, others, axis)),
         missing=tuple(missing.items()),
         noise=float(np.sqrt(np.mean(rows.best.residual**2))),
-        correlation=at if memory.samples else (0.0, 0.0),
         faults=(*others, *_faults(rows, law, curve, inside)),
         traces=(
             Trace(

@@ -109,8 +109,9 @@ def stick_slip(record: Record, axis: Axis | None = None) -> Identified:
     elif numbers:
         widest = max(numbers, key=lambda number: number.width)
         following = f"{4 * cycles} cycles in place of {cycles} halve the interval of {widest.name}."
-    memory, step = first.estimate.memory, first.motion.run.step
-    lag, name = max(memory.samples // 2, 1), [*first.motion.noise][-1]
+    if memory := first.estimate.memory.samples * first.motion.run.step:
+        notes.append(f"the noise is coloured: it knows itself for {1e3 * memory:.2g} ms")
+    name = [*first.motion.noise][-1]
     slips = sum(len(run.lows) for run in runs)
     return Identified(
         kind="stick-slip",
@@ -118,9 +119,6 @@ def stick_slip(record: Record, axis: Axis | None = None) -> Identified:
         numbers=tuple(numbers),
         missing=tuple(unknown.items()),
         noise=max(one.motion.noise[name] for one in fits),
-        correlation=(lag * step, float(memory.correlation[lag - 1]))
-        if memory.samples
-        else (0.0, 0.0),
         faults=tuple(faults),
         traces=tuple(_traces(record, fits)),
         notes=tuple(notes),

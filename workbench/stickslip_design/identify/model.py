@@ -99,8 +99,6 @@ class Identified:
     """Root mean square of what the fit leaves of the last of them, in its unit."""
     segments: tuple[tuple[float, float, str], ...]
     """Parts of the record: begin and end [s], and what they are."""
-    correlation: tuple[float, float] = (0.0, 0.0)
-    """Where that is not white a lag [s], and the correlation there [-]."""
     faults: tuple[str, ...] = ()
     """What the record shows that the model has not; empty: the model explains it."""
     friction: Trace | None = None

@@ -35,10 +35,8 @@ def explains(found: Identified) -> str:
     """Return whether the model explains the record, and what the fit leaves of it."""
     if found.faults:
         return f"The model does not explain the record: {'; '.join(found.faults)}."
-    lag, correlation = found.correlation
-    memory = f"its correlation is {correlation:.2f} at {told(lag, 's')}" if lag else "white"
     noise = told(found.noise, found.traces[-1].unit)
-    return f"The model explains the record: it leaves noise of {noise}, {memory}."
+    return f"The model explains the record: it leaves noise of {noise}."
 
 
 def sentence(file: AxisFile) -> str:
@@ -102,8 +100,7 @@ def picture(traces: Sequence[Trace], segments: Sequence[tuple[float, float, str]
                 on.yaxis.set_major_formatter(EngFormatter(trace.unit))
         for on in panels:
             for begin, end, name in segments:
-                tone = tones[names.index(name)]
-                on.axvspan(begin, end, color=tone, lw=0.0, zorder=0, label=name)
+                on.axvspan(begin, end, color=tones[names.index(name)], lw=0.0, label=name)
         page.align_ylabels()
         panels[-1].xaxis.set_major_formatter(EngFormatter("m/s" if over else "s"))
         panels[-1].locator_params(axis="x", nbins=4 if over else 10)
