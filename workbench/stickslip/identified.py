@@ -6,7 +6,10 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
+
+from matplotlib.figure import Figure
+from rich.console import RenderableType
 
 from stickslip.files import write
 from stickslip.results import Shown
@@ -18,21 +21,14 @@ from stickslip_design.identify.model import Floats, Identified
 from stickslip_design.identify.read import read_record
 from stickslip_design.report.page import drawn, plain, rendered
 
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
-    from rich.console import RenderableType
-
 
 @dataclass(frozen=True, repr=False)
 class Identification(Shown):
-    """What a record tells."""
+    """What a record tells, `found`, and an `axis` file with its numbers, for `design`."""
 
     found: Identified
-    """All figures."""
     source: str
-    """The name of the record."""
     axis: AxisFile
-    """The axis file with the numbers that the record tells, each with its ±, for `design`."""
 
     def __repr__(self) -> str:
         return f"<Identification of {self.source}: {self.found.kind}>"

@@ -53,13 +53,13 @@ def read_record(
         score.check_samples(printed)
         notes = [f"{name} has no unit: it was taken in SI" for name in units if not units[name]]
         sizes = {name: quantities[name].units.get(unit, 1.0) for name, unit in units.items()}
-        for name, kind in [(name, _KINDS.get(unit, name)) for name, unit in units.items()]:
-            if kind not in _OF_DRIVE:
-                continue
-            key = _OF_DRIVE[kind]
+        kinds = {name: _KINDS.get(unit, name) for name, unit in units.items()}
+        for name in [name for name in kinds if kinds[name] in _OF_DRIVE]:
+            kind, key = kinds[name], _OF_DRIVE[kinds[name]]
             value = getattr(drive, key, None)
             if axis is None or drive is None or value is None:
-                raise CurveError(f"{name} of the motor: drive.{key} of an axis file takes it to SI")
+                needed = f"drive.{key} of an axis file takes it to the slide"
+                raise CurveError(f"{name} of the motor: {needed}")
             radius = drive.pitch / (2.0 * math.pi)
             factor = {"motor_speed": radius, "torque": 1.0 / radius}.get(kind, value / radius)
             to = "velocity" if kind == "motor_speed" else "force"
@@ -77,14 +77,12 @@ def read_record(
 
 
 def _uneven(t: Floats, rounding: float) -> Iterator[str]:
-    """Yield what is not even in times [s], as a note; within their digits it is."""
+    """Yield what is not even in times [s], as notes; within their digits it is."""
     # Even times as printed have steps that differ by a unit of their last digit.
     steps = np.diff(t)
     step, longest = float(np.median(steps)), int(np.argmax(steps))
     if share := float(np.mean(np.abs(steps - step) > max(0.01 * step, 2.02 * rounding))):
         lost = np.sum(np.round(steps / step) - 1.0)
-        yield (
-            f"{100.0 * share:.2g} % of the steps of time are off {told(step, 's')} by above 1 %; "
-            f"the longest is {told(steps[longest], 's')}, at t = {t[longest]:.6g} s; {lost:.0f} "
-            "samples are missing in all"
-        )
+        yield f"{100.0 * share:.2g} % of the steps of time are off {told(step, 's')} by above 1 %"
+        where = f"{told(steps[longest], 's')} at t = {t[longest]:.6g} s"
+        yield f"the longest step is {where}; {lost:.0f} samples are missing in all"

@@ -89,8 +89,7 @@ def picture(traces: Sequence[Trace], segments: Sequence[tuple[float, float, str]
             if over:
                 band = np.insert(trace.band, cuts, np.nan)
                 for on, middle in ((main, y), (rest, y - fitted)):
-                    look = {"color": "#b9d6e8", "lw": 0.0, "label": "95 %"}
-                    on.fill_between(x, middle - band, middle + band, **look)
+                    on.fill_between(x, middle - band, middle + band, color="#b9d6e8", label="95 %")
             main.plot(x, y, "o" if over else "-", color=GREY, ms=2.2, lw=1.6, label="measured")
             main.plot(x, fitted, color=BLUE, lw=0.9, label="fit")
             rest.plot(x, y - fitted, color=ORANGE, lw=0.7)
