@@ -66,8 +66,8 @@ def written(found: Identified, file: AxisFile, source: str) -> AxisFile:
 def _intervals(found: Identified, file: AxisFile) -> dict[str, tuple[float, float]]:
     """Return middle and half-width [SI] by name, and of what they and a file together make.
 
-    k = (k/m) m, c = (c/m) m, F_s - F_k = k gap, F_s = F_k + (F_s - F_k); friction by forces or by
-    coefficients, none beside a curve. The parts of an interval are taken as independent.
+    k = (k/m) m, c = (c/m) m, F_s - F_k = k gap, F_s = F_k + (F_s - F_k), mu = F/N where the file
+    has coefficients; no friction beside a curve. The parts of an interval are independent.
     """
     known = {n.name: (0.5 * (n.low + n.high), 0.5 * (n.high - n.low)) for n in found.numbers}
     if not file.tables:
@@ -91,8 +91,7 @@ def _intervals(found: Identified, file: AxisFile) -> dict[str, tuple[float, floa
     kinetic = stated.get("friction.mu_k" if by_mu else "friction.F_k")
     if isinstance(kinetic, Stated) and "friction.mu_s" not in known:
         make("friction.F_s", "F_s - F_k", 1.0, more=kinetic.value * (normal if by_mu else 1.0))
-    for which in "sk":
-        names = f"friction.F_{which}", f"friction.mu_{which}"
-        make(names[by_mu], names[not by_mu], 1.0 / normal if by_mu else normal)
-        known.pop(names[not by_mu], None)
+    for which in "sk" * by_mu:
+        make(f"friction.mu_{which}", force := f"friction.F_{which}", 1.0 / normal)
+        known.pop(force, None)
     return known

@@ -84,19 +84,17 @@ def picture(traces: Sequence[Trace], segments: Sequence[tuple[float, float, str]
             # A line ends where the direction changes, and where four samples or more are left out.
             steps = np.diff(np.sign(trace.at) if over else trace.at)
             cuts = 1 + np.flatnonzero(steps > 5.0 * np.median(steps))
-            columns = (trace.at, trace.measured, trace.fitted)
-            x, y, fitted = (np.insert(column, cuts, np.nan) for column in columns)
-            if over:
-                band = np.insert(trace.band, cuts, np.nan)
-                for on, middle in ((main, y), (rest, y - fitted)):
-                    on.fill_between(x, middle - band, middle + band, color="#b9d6e8", label="95 %")
+            columns = (trace.at, trace.measured, trace.fitted, trace.band)[: 4 if over else 3]
+            x, y, fitted, *bands = (np.insert(column, cuts, np.nan) for column in columns)
             main.plot(x, y, "o" if over else "-", color=GREY, ms=2.2, lw=1.6, label="measured")
             main.plot(x, fitted, color=BLUE, lw=0.9, label="fit")
             rest.plot(x, y - fitted, color=ORANGE, lw=0.7)
-            main.set(ylabel="friction" if over else trace.name)
-            rest.set(ylabel="residual", xlim=None if over else (trace.at[0], trace.at[-1]))
-            for on in (main, rest):
+            name, ends = ("friction", None) if over else (trace.name, (trace.at[0], trace.at[-1]))
+            for on, label, line in ((main, name, y), (rest, "residual", y - fitted)):
+                on.set(ylabel=label, xlim=ends)
                 on.yaxis.set_major_formatter(EngFormatter(trace.unit))
+                for band in bands:
+                    on.fill_between(x, line - band, line + band, color="#b9d6e8", label="95 %")
         for on in panels:
             for begin, end, name in segments:
                 on.axvspan(begin, end, color=tones[names.index(name)], lw=0.0, label=name)
