@@ -29,7 +29,7 @@ OUTSIDE = {
     "stickslip_verification.truth": "mpmath",
     "stickslip_score": "numpy scipy mpmath lazy_loader",
     "stickslip_design": "numpy scipy mpmath matplotlib xarray fmpy lazy_loader markupsafe PIL "
-    "contourpy threadpoolctl pydantic fsspec",
+    "contourpy threadpoolctl pydantic fsspec tomlkit",
     "stickslip": "numpy scipy matplotlib typer rich fmpy jinja2 markupsafe xarray pandas "
     "lazy_loader",
 }

@@ -97,8 +97,12 @@ def test_the_file_states_what_the_other_does_and_the_numbers_of_the_record() -> 
     stated, new = dict(FILE.values), dict(axis_file_of(text).values)
     assert {path for path in new if new[path] != stated.pop(path)} == {"axis.mass", "axis.c"}
     assert not stated
+    comments = [line for line in FILE.text.splitlines() if line.startswith("#")]
+    assert comments
+    assert {*comments} < {*text.splitlines()}
     again = text_of(told({"axis.mass": 500.0}), axis_file_of(text), "other.csv")
-    assert "run.csv, ± is half the interval of 95 %: axis.mass, axis.c\n# from other.csv" in again
+    assert again.startswith("# from other.csv, ± is half the interval of 95 %: axis.mass\n")
+    assert "# from run.csv, ± is half the interval of 95 %: axis.mass, axis.c\n" in again
     assert value_of(again, "axis.c") == value_of(text, "axis.c")
 
 

@@ -46,7 +46,7 @@ class Identification(Shown):
     def to_dict(self) -> dict[str, Any]:
         """Return numbers, intervals and findings [SI] as JSON knows them, without the samples."""
         known = [each.name for each in self.found.numbers if each.identified]
-        said = {"record": self.source, "sentence": self.sentence, "known": known}
+        said = {"format": 1, "record": self.source, "sentence": self.sentence, "known": known}
         return {**said, **plain(replace(self.found, traces=()))}
 
     def html(self) -> str:

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-import json
 import math
-import re
 from dataclasses import replace
+from typing import Any
+
+import tomlkit
 
 from stickslip_units import told
 
@@ -30,10 +31,10 @@ def axis_of(file: AxisFile) -> Axis:
 def written(found: Identified, file: AxisFile, source: str) -> AxisFile:
     """Return an axis file that states what a file does, and the numbers of a record with their ±.
 
-    What said the same goes. `source` is the name of the record.
+    What said the same goes, all other lines are held. `source` is the name of the record.
     """
-    new: dict[str, str] = {}
-    said = [line for line in file.text.splitlines() if line.startswith("# from ")]
+    document, new = tomlkit.parse(file.text or tomlkit.dumps(file.tables)), dict[str, str]()
+    said = list[str]()
     for path, (middle, half) in _intervals(found, file).items():
         if key := KEYS.get(path):
             low = max(middle - half, 0.0) if key.within is LEAST else middle - half
@@ -52,15 +53,13 @@ def written(found: Identified, file: AxisFile, source: str) -> AxisFile:
     for key in KEYS.values():
         if key.goes_with and place(key.section, key.goes_with[0]) in gone:
             gone.add(key.path)
-    for name, table in {"axis": {}, "friction": {}, **file.tables}.items():
-        stated = {key: value for key, value in table.items() if f"{name}.{key}" not in gone}
-        stated |= {KEYS[path].name: new[path] for path in new if KEYS[path].section == name}
-        said += ["", f"[{name}]"]
-        for key, value in stated.items():
-            # A table in a line has = where JSON has a colon.
-            text = re.sub(r'"(\w+)": ', r"\1 = ", json.dumps(value, ensure_ascii=False))
-            said.append(f"{key} = {text}")
-    return axis_file_of("\n".join((*said, "")), file.name, file.folder)
+        table: dict[str, Any] = document.get(key.section, {})
+        if key.path in gone | new.keys():
+            table.pop(key.name, None)
+        if key.path in new:
+            document.setdefault(key.section, {})[key.name] = new[key.path]
+    text = "\n".join((*said, document.as_string()))
+    return axis_file_of(text, file.name, file.folder)
 
 
 def _intervals(found: Identified, file: AxisFile) -> dict[str, tuple[float, float]]:
