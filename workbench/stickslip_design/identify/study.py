@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from contextlib import suppress
 from dataclasses import replace
 from typing import Final
 
@@ -28,10 +27,13 @@ def identify(record: Record, axis: Axis | None = None) -> Identified:
 
     `axis` states the drive, what is known of the table, gravity; without it the drive is rigid.
     """
-    found = None
-    with suppress(ArithmeticError, ValueError, np.linalg.LinAlgError):
+    try:
         found = stick_slip(record, axis)
-    found = found or driven(record, axis)
+    except (ArithmeticError, ValueError) as still:
+        try:
+            found = driven(record, axis)
+        except ValueError as reason:
+            raise ValueError(f"{reason} (no stick-slip either: {still})") from None
     advice = found.next_measurement
     # Of a force that may be none the width says nothing.
     sure = [one for one in found.numbers if one.low * one.high > 0.0 and one.unit in _NEXT]
