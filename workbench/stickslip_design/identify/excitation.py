@@ -228,8 +228,9 @@ def _numbers(
         also = [one.sum(parts)[0] for one in others.values() if parts.keys() <= {*one.names}]
         low, high = min(value - reach, *also, value) - own, max(value + reach, *also, value) - own
         motor = f", without {drive.inertia:.4g} kg of the motor" if drive and "m" in parts else ""
-        what = {"name": name, "meaning": meaning + motor, "unit": unit}
-        yield Number(**what, value=value - own, low=low, high=high)
+        yield Number(
+            name=name, meaning=meaning + motor, unit=unit, value=value - own, low=low, high=high
+        )
 
 
 def _others(rows: _Rows) -> dict[str, Estimate]:
