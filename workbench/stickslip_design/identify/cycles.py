@@ -28,9 +28,9 @@ _WIDTHS: Final = (1, 4, 16, 64)
 _OF_NOISE, _OF_DIGIT, _LARGE, _ALIKE = 6.0, 1.4, 0.3, 0.5
 """Deviations of noise that are no turn, and the least of those, of half a digit; turns that are no
 noise, of the largest; how far the cycles of a run are from their median, relative."""
-_STRAIGHT, _RESTS, _EVENLY = 0.015, 0.03, 0.3
+_STRAIGHT, _RESTS, _EVENLY, _SPANS = 0.015, 0.03, 0.3, 3
 """Of the swing: how straight a force rises, and how still a table is, in the middle of a stick.
-Deviation of the times from cycle to cycle, over their mean."""
+Deviation of the times from cycle to cycle, over their mean, and so many that tell it."""
 
 
 @dataclass(frozen=True)
@@ -144,7 +144,8 @@ def _turned(run: Run, shows: bool) -> Run:
             rests += float(np.sqrt(np.mean(off**2))) < math.hypot(rough * swing, 1.3 * noise)
         whys = {
             f"the table rests between {rests} of {len(highs)} slips only": shows and rests < 2,
-            "the spring does not turn evenly": np.std(spans) > _EVENLY * np.mean(spans),
+            "the spring does not turn evenly": np.std(spans) > _EVENLY * np.mean(spans)
+            or (len(spans) < _SPANS and not shows),
             "the table goes forth and back": name == "x"
             and math.isnan(run.speed)
             and abs(s[-1] - s[0]) < _ONE_WAY * np.ptp(s),
