@@ -81,20 +81,17 @@ def stretches(of: NDArray[np.bool_]) -> list[tuple[int, int]]:
     return list(zip(edges[::2], edges[1::2], strict=True))
 
 
-def plateaus(runs: Sequence[Columns], step: float) -> tuple[Parts, float]:
-    """Return the steady runs, and their share of the moving time."""
-    found, steady, moving = Parts(), 0, 0
-    window = max(_FEWEST, int(_SHORTEST / step))
+def plateaus(runs: Sequence[Columns], step: float) -> Parts:
+    """Return the steady runs."""
+    found, window = Parts(), max(_FEWEST, int(_SHORTEST / step))
     ways = [filtered(run, step, _CORNER / step) for run in runs]
     highest = max(float(np.max(np.abs(way["c"]))) for way in ways)
     for way in ways:
         t, v = way["t"], way["c"]
-        moves = np.abs(v) > _MOVES * highest
-        moving += int(np.count_nonzero(moves))
         span = maximum_filter1d(v, window) - minimum_filter1d(v, window)
-        for begin, end in stretches(moves & (span < _STEADY * np.abs(v))):
+        even = (np.abs(v) > _MOVES * highest) & (span < _STEADY * np.abs(v))
+        for begin, end in stretches(even):
             speed, cut = float(np.median(v[begin:end])), int(_ENDS * (end - begin + window))
             if end - begin > window and np.ptp(v[begin:end]) < 2.0 * _STEADY * abs(speed):
                 found.append((float(t[begin + cut]), float(t[end - 1 - cut]), speed))
-                steady += end - begin + window
-    return found, min(steady / max(moving, 1), 1.0)
+    return found

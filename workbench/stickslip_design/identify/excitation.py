@@ -32,9 +32,9 @@ the spring, relative: an axis states its stiffness and mass to some 20 %."""
 _SLOW, _RINGING = 0.02, 1.1
 """Of the highest speed: below it friction is not taken for Coulomb's. Length of the low pass's
 answer, over its corner's period."""
-_STEADILY, _RUNS = 0.5, 6
-"""A record is of steady runs if they are so many, and their part of the moving time is by this
-above that of the inertia in the power of the force."""
+_STEADILY, _RUNS = 0.4, 6
+"""A record is of steady runs if they are so many, and their part of the time that is used is by
+this above that of the inertia in the power of the force."""
 _WAY, _FAULT, _BENT = 3.0, 4.0, {"at low speed": 0.1, "near rest": 0.025}
 """Deviations that tell two directions from chance, and a fault, of some that are sought. Of the
 highest speed: over these another friction is sought."""
@@ -107,9 +107,9 @@ def driven(record: Record, axis: Axis | None) -> Identified:
         raise ValueError("the force does not change in this record: is it the right column?")
     runs, clipped = evened(record)
     step, first = float(runs[0]["t"][1] - runs[0]["t"][0]), max(_FIRST, record.t.size // _KEPT)
-    rows, (parts, share) = _widest(runs, step, axis, first), plateaus(runs, step)
+    rows, parts, steady = _widest(runs, step, axis, first), plateaus(runs, step), None
+    share = sum(end - begin for begin, end, _ in parts) / (rows.columns["t"].size * rows.step)
     inertia = np.var(rows.best.number("m")[0] * rows.columns["m"]) / np.var(rows.columns["force"])
-    steady = None
     if len(parts) >= _RUNS and share - inertia >= _STEADILY:
         steady = _rows(runs, step, axis, first, parts)
     rows = steady or rows
@@ -143,9 +143,7 @@ def driven(record: Record, axis: Axis | None) -> Identified:
     force = rows.columns["force"][thin], shown.fitted[thin]
     return Identified(
         kind="steady runs" if steady else "excitation",
-        reason=f"{len(parts)} runs of constant speed, of {share:.0%} of the moving time"
-        if steady
-        else "the table is accelerated and braked",
+        reason=f"{len(parts)} runs have a constant speed" if steady else "the table is accelerated",
         numbers=numbers,
         missing=tuple(one for one in _MISSING.items() if one[0] not in told),
         traces=(Trace(name="force", unit="N", at=t[thin], measured=force[0], fitted=force[1]),),

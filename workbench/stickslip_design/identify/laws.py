@@ -46,7 +46,7 @@ def law_of(speed: Floats, force: Floats, deviation: Floats) -> tuple[str, Estima
         if 0.0 < chi < left:
             # Less scatter than the deviations is luck.
             found = found._replace(covariance=found.covariance * left / chi, freedom=math.inf)
-        few = count * (count + 1) / max(left - 1, 1)
+        few = count * (count + 1) / (left - 1) if left > 1 else math.inf
         return chi + 2.0 * (count + few), found._replace(fitted=found.fitted * deviation)
 
     viscous, size, tried = friction(speed), np.abs(speed), []

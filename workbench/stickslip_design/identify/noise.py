@@ -98,14 +98,12 @@ def least_squares(
     X = np.stack(list(columns.values()), axis=1)
     Z = np.stack([(instruments or {}).get(n, c) for n, c in columns.items()], axis=1)
     n, p = X.shape
-    size = np.linalg.norm(X, axis=0)
-    size[size == 0.0] = 1.0
+    size = np.maximum(np.linalg.norm(X, axis=0), 1e-300)
     left = y - X @ (np.linalg.lstsq(X / size, y, rcond=None)[0] / size)
     of = np.array([(known or {}).get(name, math.inf) for name in columns])
     before = np.diag(float(left @ left) / n / of**2)
     total = Z.T @ X + before
-    scale = np.sqrt(np.abs(np.diag(total)))
-    scale[scale == 0.0] = 1.0
+    scale = np.sqrt(np.maximum(np.abs(np.diag(total)), 1e-300))
     by = np.outer(scale, scale)
     normal = np.linalg.pinv(total / by) / by
     value = normal @ (Z.T @ y)
