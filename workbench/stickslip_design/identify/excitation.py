@@ -118,22 +118,19 @@ def driven(record: Record, axis: Axis | None) -> Identified:
     uneven, deviation, _ = best.number("uneven")
     others, differ = _others(rows), abs(uneven) > _WAY * deviation
     numbers = tuple(_numbers(best, others, axis, differ))
-    told = {number.name for number in numbers}
+    told = {number.name: number.value for number in numbers}
     noise, faults = float(np.sqrt(np.mean(shown.residual**2))), [*others]
     lag = min(max(1, round(_LAG / rows.step)), shown.memory.correlation.size)
     if shown.memory.correlation[lag - 1] > _NOISE:
-        alike = f"{lag * rows.step:.2g} s"
-        faults.append(f"it leaves {noise:.2g} N that are alike for {alike}, and no noise")
+        alike = lag * rows.step
+        faults.append(f"it leaves {noise:.2g} N that are alike for {alike:.2g} s, and no noise")
     ahead, chance, _ = shown.number("rate")
     if abs(ahead) > step + _FAULT * chance:
         faults.append(f"force and motion are {abs(ahead) * 1e3:.2g} ms apart")
-    corner = f"{_WHITENED / rows.step:.3g} Hz"
-    of_motor = axis.drive.d if axis and axis.drive else 0.0
-    notes = [_directions(rows, lag, of_motor)] if differ else []
-    notes.append(f"Force and derivatives are behind a low pass of {corner}, forth and back.")
+    notes = [_directions(rows, lag, told)] if differ else []
+    notes.append(f"Force and derivatives are behind a low pass of {_WHITENED / rows.step:.3g} Hz.")
     if clipped:
-        part = f"{100.0 * clipped:.2g} %"
-        notes.append(f"In {part} of the samples the force is clipped: they tell nothing.")
+        notes.append(f"In {clipped:.1%} of the samples the force is clipped: they tell nothing.")
     t, v = rows.columns["t"], rows.columns["c"]
     segments = [(a, b, f"{speed * 6e4:.4g} mm/min") for a, b, speed in parts]
     if not steady:
@@ -251,18 +248,17 @@ def _others(rows: _Rows) -> dict[str, Estimate]:
     return shown
 
 
-def _directions(rows: _Rows, lag: int, of_motor: float) -> str:
+def _directions(rows: _Rows, lag: int, told: Mapping[str, float]) -> str:
     """Return in words how the directions differ, beside one slope for both."""
     one, left = rows.fit({name: rows.rubs[name] for name in ("F_k", "c", "offset")}), []
     for fit in (one, rows.best):
         offset, _, reach = fit.number("offset")
         rms = float(np.sqrt(np.mean(fit.residual**2)))
         left.append(f"{rms:.2g} N, beside a constant force of {offset:.2g} ± {reach:.2g} N")
-    forward, backward = (rows.best.sum({"c": 1.0, "uneven": way})[0] for way in (1.0, -1.0))
     weight = "What looks like a weight is the asymmetry of the directions. "
     return (
-        f"The directions differ: {forward - of_motor:.0f} N s/m forward, "
-        f"{backward - of_motor:.0f} backward. That takes the residual from {left[0]}, to {left[1]}."
+        f"The directions differ: {told['c forward']:.0f} N s/m forward, {told['c backward']:.0f} "
+        f"backward. That takes the residual from {left[0]}, to {left[1]}."
         f" {weight * (abs(offset) < reach)}With one slope the residual is not white: its "
         f"correlation is {one.memory.correlation[lag - 1]:.2f} over {lag * rows.step * 1e3:.0f} ms."
     )

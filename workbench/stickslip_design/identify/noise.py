@@ -23,10 +23,9 @@ memory of the residual."""
 
 
 class Memory(NamedTuple):
-    """How long a residual knows itself."""
+    """How long a residual knows itself, in samples: 0 if it is white; the correlation by lag."""
 
     samples: int
-    """0: it is white."""
     correlation: Floats
     """From lag 1 on, shape (lags,)."""
 
