@@ -124,6 +124,11 @@ def test_only_slips_are_stick_slip() -> None:
     even = Record(t=t, position=1e-3 * t + 1e-9 * np.sin(400.0 * t), command=1e-3 * t)
     with pytest.raises(ValueError, match="no two slips"):
         stick_slip(even)
+    # Steady runs in both directions, without a command: the force turns at each end.
+    v = np.repeat(1e-3 * np.array([1, -1, 4, -4, 1, -1, 4, -4, 1, -1]), 200)
+    rubs = Record(t=t, position=np.cumsum(v * 1e-3), force=np.sign(v) * (300.0 - 100.0 * (t % 0.2)))
+    with pytest.raises(ValueError, match="forth and back"):
+        stick_slip(rubs)
 
 
 def test_a_command_of_few_digits_is_one_speed() -> None:

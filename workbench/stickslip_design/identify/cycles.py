@@ -123,11 +123,8 @@ def _straight(t: Floats, s: Floats) -> list[tuple[int, int, float, float]]:
 
 def _turned(run: Run, shows: bool) -> Run:
     """Return a run with the turns of its spring, or why it has none; `shows`: the table is seen."""
-    turned, clearest, t = (
-        replace(run, still="the spring does not turn twice at one feed"),
-        0.0,
-        run.t,
-    )
+    turned = replace(run, still="the spring does not turn twice at one feed")
+    clearest, t, x = 0.0, run.t, run.columns.get("x", run.t)
     for name, s in run.columns.items():
         degree, rough = (1, _STRAIGHT) if name == "F" else (0, _RESTS)
         speed = float(np.polyfit(t, s, 1)[0]) if math.isnan(run.speed) else run.speed
@@ -146,9 +143,8 @@ def _turned(run: Run, shows: bool) -> Run:
             f"the table rests between {rests} of {len(highs)} slips only": shows and rests < 2,
             "the spring does not turn evenly": np.std(spans) > _EVENLY * np.mean(spans)
             or (len(spans) < _SPANS and not shows),
-            "the table goes forth and back": name == "x"
-            and math.isnan(run.speed)
-            and abs(s[-1] - s[0]) < _ONE_WAY * np.ptp(s),
+            "the table goes forth and back": math.isnan(run.speed)
+            and abs(x[-1] - x[0]) < _ONE_WAY * np.ptp(x),
         }
         still = next((why for why, is_so in whys.items() if is_so), "")
         turned = replace(run, highs=tuple(t[highs]), lows=tuple(t[lows]), still=still)

@@ -209,7 +209,7 @@ def _segments(one: Fitted) -> Iterator[tuple[float, float, str]]:
     if math.isnan(period + t_slip):
         yield float(run.t[0]), float(run.t[-1]), "jumps"
         return
-    for at in np.arange(begin, run.t[-1], period).tolist():
+    for at in (begin + period * np.arange(len(run.highs))).tolist():
         yield at, at + t_slip, "slips"
         yield at + t_slip, at + period, "rests"
 
