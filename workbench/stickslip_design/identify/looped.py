@@ -217,7 +217,7 @@ def fitted_loop(record: Record, axis: Axis, run: Run) -> Fitted:
         raise ValueError("the feed is not in the record: state one feed")
     if len(run.highs) <= _FEWEST:
         raise ValueError(f"{len(run.highs)} slips of a servo axis: fewer than {_FEWEST + 1}")
-    run = run.within(run.highs[0], math.inf)
+    run = run.within(run.highs[1], math.inf)
     found = [*_starts(axis, run, noise_of(record, run))]
     if not found:
         raise ValueError("the axis as its file states it does not jump at this feed: no start")
