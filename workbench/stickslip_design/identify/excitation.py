@@ -15,6 +15,8 @@ from typing import Final
 import numpy as np
 from scipy.ndimage import maximum_filter1d
 
+from stickslip_units import told as in_words
+
 from ..axis import Axis
 from .evened import Columns, Parts, evened, filtered, plateaus, stretches
 from .laws import friction, law_of
@@ -67,7 +69,7 @@ class _Rows:
 
     columns: Columns
     """Those of `filtered`, the mass's with what a spring adds; "soft", by which the force is more
-    where the spring is softer than stated; the number of the "run". "m else" and "jerk else" are
+    where the spring is softer than stated; the number of the "run". "m else" and the like are
     means of neighbours half a row and three halves off: so the noise of a position, white or of low
     frequency, is another to 6 %."""
     step: float
@@ -81,7 +83,7 @@ class _Rows:
         of, jerk = self.columns, self.columns["jerk else"]
         own = {name: of[name] for name in ("m", *self.known) if self.known}
         mass = float(jerk @ of["rate"]) / max(float(jerk @ jerk), 1e-300)
-        instruments = {"m": of["m else"], "rate": mass * jerk}
+        instruments = {"m": of["m else"], "rate": mass * jerk, "soft": of["soft else"]}
         return least_squares(own | columns, of["force"], of["run"], instruments, self.known)
 
     @cached_property
@@ -127,12 +129,14 @@ def driven(record: Record, axis: Axis | None) -> Identified:
     ahead, chance, _ = shown.number("rate")
     if abs(ahead) > step + _FAULT * chance:
         faults.append(f"force and motion are {abs(ahead) * 1e3:.2g} ms apart")
+    if abs(shown.number("soft")[0]) > _FAULT * _SPRING:
+        faults.append("table and motor move as on another spring than is stated")
     notes = [_directions(rows, lag, told)] if differ else []
     notes.append(f"Force and derivatives are behind a low pass of {_WHITENED / rows.step:.3g} Hz.")
     if clipped:
         notes.append(f"In {clipped:.1%} of the samples the force is clipped: they tell nothing.")
     t, v = rows.columns["t"], rows.columns["c"]
-    segments = [(a, b, f"{speed * 6e4:.4g} mm/min") for a, b, speed in parts]
+    segments = [(a, b, in_words(speed, "m/s", 3)) for a, b, speed in parts]
     if not steady:
         ways = ((v > 0.0, "forward"), (v < 0.0, "backward"))
         segments = [(float(t[a]), float(t[b - 1]), n) for way, n in ways for a, b in stretches(way)]
@@ -196,7 +200,7 @@ def _rows(
         use[: 2 * reach] = use[-2 * reach :] = False
         way["soft"] = spring * way["jounce"]
         way["m"] = way["m"] + way["soft"] / max(mass, 1e-300)
-        for name in ("m", "jerk"):
+        for name in ("m", "jerk", "soft"):
             others = [np.roll(way[name], n * half) for n in (-3, -1, -1, 1, 1, 3)]
             way[f"{name} else"] = np.mean(others, axis=0)
         for begin, end in stretches(use):

@@ -81,6 +81,10 @@ def stick_slip(record: Record, axis: Axis | None = None) -> Identified:
     runs, notes, creeps = jumping(record, axis), list[str](), False
     if axis is not None and axis.drive is not None:
         fits = [fitted_loop(record, axis, max(runs, key=lambda run: len(run.lows)))]
+        if record.force is None:
+            notes.append(
+                "without a force, mass and stiffness are as true as the gains of the drive"
+            )
     else:
         fits = [fitted_block(record, run) for run in runs]
         drifting, is_sure = _with(fits, DRIFTS) if "F" in fits[0].motion.noise else (fits, False)

@@ -102,5 +102,5 @@ def picture(traces: Sequence[Trace], segments: Sequence[tuple[float, float, str]
         panels[-1].xaxis.set_major_formatter(EngFormatter("m/s" if over else "s"))
         panels[-1].locator_params(axis="x", nbins=4 if over else 10)
         looks = dict(zip(*panels[0].get_legend_handles_labels()[::-1], strict=True))
-        page.legend(looks.values(), looks, loc="outside upper left", ncols=5, fontsize=LETTERS)
+        page.legend(looks.values(), looks, loc="outside upper left", ncols=4, fontsize=LETTERS)
     return page
