@@ -28,9 +28,10 @@ _WIDTHS: Final = (1, 4, 16, 64)
 _OF_NOISE, _OF_DIGIT, _LARGE, _ALIKE = 6.0, 1.4, 0.3, 0.5
 """Deviations of noise that are no turn, and the least of those, of half a digit; turns that are no
 noise, of the largest; how far the cycles of a run are from their median, relative."""
-_STRAIGHT, _RESTS, _EVENLY, _SPANS = 0.015, 0.03, 0.3, 3
+_STRAIGHT, _RESTS, _EVENLY, _SURELY, _SPANS, _TOGETHER = 0.015, 0.03, 0.3, 0.1, 3, 0.3
 """Of the swing: how straight a force rises, and how still a table is, in the middle of a stick.
-Deviation of the times from cycle to cycle, over their mean, and so many that tell it."""
+Deviation of the times from cycle to cycle, over their mean, of cycles, and of those beyond doubt;
+so many that tell it. Correlation of force and spring."""
 
 
 @dataclass(frozen=True)
@@ -134,6 +135,7 @@ def _turned(run: Run, shows: bool) -> Run:
         if clear <= clearest:
             continue
         rests, clearest, spans = 0, clear, np.diff(t[highs])
+        uneven = float(np.std(spans) / np.mean(spans))
         for low, high in zip(lows, highs[1:], strict=False):
             part = slice(low + (high - low) // 4, high - (high - low) // 4)
             at, y = t[part] - t[low], s[part]
@@ -141,8 +143,12 @@ def _turned(run: Run, shows: bool) -> Run:
             rests += float(np.sqrt(np.mean(off**2))) < math.hypot(rough * swing, 1.3 * noise)
         whys = {
             f"the table rests between {rests} of {len(highs)} slips only": shows and rests < 2,
-            "the spring does not turn evenly": np.std(spans) > _EVENLY * np.mean(spans)
+            "the spring does not turn evenly": uneven > _EVENLY
             or (len(spans) < _SPANS and not shows),
+            "force and spring do not turn together": shows
+            and len(run.columns) > 1
+            and uneven > _SURELY
+            and np.corrcoef(speed * t - x, run.columns["F"])[0, 1] < _TOGETHER,
             "the table goes forth and back": math.isnan(run.speed)
             and abs(x[-1] - x[0]) < _ONE_WAY * np.ptp(x),
         }
