@@ -15,7 +15,7 @@ from typing import Final
 import numpy as np
 from scipy.ndimage import maximum_filter1d
 
-from stickslip_units import told as in_words
+from stickslip_units import told
 
 from ..axis import Axis
 from .evened import Columns, Parts, evened, filtered, plateaus, stretches
@@ -120,7 +120,7 @@ def driven(record: Record, axis: Axis | None) -> Identified:
     uneven, deviation, _ = best.number("uneven")
     others, differ = _others(rows), abs(uneven) > _WAY * deviation
     numbers = tuple(_numbers(best, others, axis, differ))
-    told = {number.name: number.value for number in numbers}
+    values = {number.name: number.value for number in numbers}
     noise, faults = float(np.sqrt(np.mean(shown.residual**2))), [*others]
     lag = min(max(1, round(_LAG / rows.step)), shown.memory.correlation.size)
     if shown.memory.correlation[lag - 1] > _NOISE:
@@ -131,12 +131,12 @@ def driven(record: Record, axis: Axis | None) -> Identified:
         faults.append(f"force and motion are {abs(ahead) * 1e3:.2g} ms apart")
     if abs(shown.number("soft")[0]) > _FAULT * _SPRING:
         faults.append("table and motor move as on another spring than is stated")
-    notes = [_directions(rows, lag, told)] if differ else []
+    notes = [_directions(rows, lag, values)] if differ else []
     notes.append(f"Force and derivatives are behind a low pass of {_WHITENED / rows.step:.3g} Hz.")
     if clipped:
         notes.append(f"In {clipped:.1%} of the samples the force is clipped: they tell nothing.")
     t, v = rows.columns["t"], rows.columns["c"]
-    segments = [(a, b, in_words(speed, "m/s", 3)) for a, b, speed in parts]
+    segments = [(a, b, told(speed, "m/s", 3)) for a, b, speed in parts]
     if not steady:
         ways = ((v > 0.0, "forward"), (v < 0.0, "backward"))
         segments = [(float(t[a]), float(t[b - 1]), n) for way, n in ways for a, b in stretches(way)]
@@ -146,7 +146,7 @@ def driven(record: Record, axis: Axis | None) -> Identified:
         kind="steady runs" if steady else "excitation",
         reason=f"{len(parts)} runs have a constant speed" if steady else "the table is accelerated",
         numbers=numbers,
-        missing=tuple(one for one in _MISSING.items() if one[0] not in told),
+        missing=tuple(one for one in _MISSING.items() if one[0] not in values),
         traces=(Trace(name="force", unit="N", at=t[thin], measured=force[0], fitted=force[1]),),
         noise=noise,
         segments=tuple(sorted(segments)),
@@ -252,7 +252,7 @@ def _others(rows: _Rows) -> dict[str, Estimate]:
     return shown
 
 
-def _directions(rows: _Rows, lag: int, told: Mapping[str, float]) -> str:
+def _directions(rows: _Rows, lag: int, values: Mapping[str, float]) -> str:
     """Return in words how the directions differ, beside one slope for both."""
     one, left = rows.fit({name: rows.rubs[name] for name in ("F_k", "c", "offset")}), []
     for fit in (one, rows.best):
@@ -261,10 +261,11 @@ def _directions(rows: _Rows, lag: int, told: Mapping[str, float]) -> str:
         left.append(f"{rms:.2g} N, beside a constant force of {offset:.2g} ± {reach:.2g} N")
     weight = "What looks like a weight is the asymmetry of the directions. "
     return (
-        f"The directions differ: {told['c forward']:.0f} N s/m forward, {told['c backward']:.0f} "
-        f"backward. That takes the residual from {left[0]}, to {left[1]}."
-        f" {weight * (abs(offset) < reach)}With one slope the residual is not white: its "
-        f"correlation is {one.memory.correlation[lag - 1]:.2f} over {lag * rows.step * 1e3:.0f} ms."
+        f"The directions differ: {values['c forward']:.0f} N s/m forward, "
+        f"{values['c backward']:.0f} backward. That takes the residual from {left[0]}, "
+        f"to {left[1]}. {weight * (abs(offset) < reach)}With one slope the residual is not white: "
+        f"its correlation is {one.memory.correlation[lag - 1]:.2f} over "
+        f"{lag * rows.step * 1e3:.0f} ms."
     )
 
 
